@@ -1,0 +1,58 @@
+# One folder is one room is one library: imslam_room(pgo SOURCES ... DEPENDS imslam::lie ... PRIVATE Ceres::ceres)
+# makes the target imslam_pgo with the alias imslam::pgo.
+
+set(CMAKE_CXX_STANDARD 17)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+
+find_program(IMSLAM_CCACHE ccache)
+if(IMSLAM_CCACHE)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${IMSLAM_CCACHE})
+endif()
+
+add_library(imslam_build_flags INTERFACE)
+target_compile_options(imslam_build_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Werror -fvisibility=hidden -fstack-protector-strong)
+# The hidden default of contraction would let a compiler flag change a trajectory.
+target_compile_options(imslam_build_flags INTERFACE -ffp-contract=off)
+target_include_directories(imslam_build_flags INTERFACE ${PROJECT_SOURCE_DIR})
+# Eigen stays single-threaded: parallel loops are ours (slam/base/parallel.hpp).
+target_compile_definitions(imslam_build_flags INTERFACE EIGEN_DONT_PARALLELIZE)
+if(IMSLAM_SANITIZE)
+  target_compile_options(imslam_build_flags INTERFACE
+    -fsanitize=${IMSLAM_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(imslam_build_flags INTERFACE -fsanitize=${IMSLAM_SANITIZE})
+  # Debian's Ceres allocates Eigen memory without ASan; both sides must agree on how it is freed.
+  target_compile_definitions(imslam_build_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+elseif(CMAKE_BUILD_TYPE STREQUAL "Release")
+  target_compile_definitions(imslam_build_flags INTERFACE $<$<NOT:$<BOOL:${IMSLAM_SANITIZE}>>:_FORTIFY_SOURCE=2>)
+endif()
+
+function(imslam_room name)
+  cmake_parse_arguments(ROOM "" "" "SOURCES;DEPENDS;PRIVATE" ${ARGN})
+  if(ROOM_SOURCES)
+    add_library(imslam_${name} STATIC ${ROOM_SOURCES})
+    target_link_libraries(imslam_${name}
+      PUBLIC Eigen3::Eigen ${ROOM_DEPENDS} PRIVATE imslam_build_flags ${ROOM_PRIVATE})
+    target_include_directories(imslam_${name} PUBLIC ${PROJECT_SOURCE_DIR})
+  else()
+    add_library(imslam_${name} INTERFACE)
+    target_link_libraries(imslam_${name} INTERFACE Eigen3::Eigen ${ROOM_DEPENDS})
+    target_include_directories(imslam_${name} INTERFACE ${PROJECT_SOURCE_DIR})
+  endif()
+  add_library(imslam::${name} ALIAS imslam_${name})
+endfunction()
+
+# imslam_test(pgo SOURCES ... DEPENDS imslam::pgo ...): one test executable per room.
+function(imslam_test name)
+  cmake_parse_arguments(TEST "" "" "SOURCES;DEPENDS" ${ARGN})
+  add_executable(imslam_${name}_test ${TEST_SOURCES})
+  target_link_libraries(imslam_${name}_test PRIVATE imslam_build_flags ${TEST_DEPENDS} GTest::gtest GTest::gtest_main)
+  set_target_properties(imslam_${name}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  gtest_discover_tests(imslam_${name}_test
+    TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 600
+    WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
+endfunction()
