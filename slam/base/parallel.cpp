@@ -22,8 +22,8 @@ void set_thread_count(int threads) {
   expects(threads >= 0, "set_thread_count: threads must be 0 (all cores) or more");
   const auto count = threads > 0 ? static_cast<std::size_t>(threads)
                                  : std::max<std::size_t>(1, std::thread::hardware_concurrency());
-  control() = std::make_unique<tbb::global_control>(
-      tbb::global_control::max_allowed_parallelism, count);
+  control() =
+      std::make_unique<tbb::global_control>(tbb::global_control::max_allowed_parallelism, count);
 }
 
 int thread_count() {

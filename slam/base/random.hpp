@@ -15,10 +15,10 @@ class Random {
   explicit Random(std::uint64_t seed);
 
   std::uint64_t bits() { return engine_(); }
-  double uniform();                                        ///< in [0, 1)
-  double uniform(double low, double high);                 ///< in [low, high)
+  double uniform();                                           ///< in [0, 1)
+  double uniform(double low, double high);                    ///< in [low, high)
   std::int64_t integer(std::int64_t low, std::int64_t high);  ///< in [low, high], both included
-  double normal();                                         ///< mean 0, standard deviation 1
+  double normal();                                            ///< mean 0, standard deviation 1
   Eigen::Vector3d normal3();
   bool chance(double probability) { return uniform() < probability; }
 

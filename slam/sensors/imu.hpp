@@ -22,13 +22,13 @@ struct ImuBias {
 
 /// Datasheet noise in continuous time, as in EuRoC and Kalibr files, and the sensor's range.
 struct ImuNoise {
-  double gyro_noise_density = 1.7e-4;    ///< [rad/s/sqrt(Hz)]
-  double gyro_random_walk = 2.0e-5;      ///< [rad/s^2/sqrt(Hz)]
-  double accel_noise_density = 2.0e-3;   ///< [m/s^2/sqrt(Hz)]
-  double accel_random_walk = 3.0e-3;     ///< [m/s^3/sqrt(Hz)]
-  double rate_hz = 200.0;                ///< [Hz]
-  double gyro_range = 34.9;              ///< [rad/s], readings at or beyond it are saturated
-  double accel_range = 157.0;            ///< [m/s^2]
+  double gyro_noise_density = 1.7e-4;   ///< [rad/s/sqrt(Hz)]
+  double gyro_random_walk = 2.0e-5;     ///< [rad/s^2/sqrt(Hz)]
+  double accel_noise_density = 2.0e-3;  ///< [m/s^2/sqrt(Hz)]
+  double accel_random_walk = 3.0e-3;    ///< [m/s^3/sqrt(Hz)]
+  double rate_hz = 200.0;               ///< [Hz]
+  double gyro_range = 34.9;             ///< [rad/s], readings at or beyond it are saturated
+  double accel_range = 157.0;           ///< [m/s^2]
 };
 
 }  // namespace imslam

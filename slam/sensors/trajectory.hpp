@@ -25,10 +25,10 @@ struct Trajectory {
 /// Poses exactly as a file gives them. Evaluation works on these: evo compares stamps as doubles
 /// and uses KITTI matrices without making them orthonormal.
 struct PosePath {
-  std::vector<double> stamps_s;         ///< [s]; empty for files without stamps (KITTI)
-  std::vector<Eigen::Matrix4d> poses;   ///< T_world_frame
-  std::string frame;                    ///< "body", "left", or "" where the file does not say
-  std::string source;                   ///< file name, for messages
+  std::vector<double> stamps_s;        ///< [s]; empty for files without stamps (KITTI)
+  std::vector<Eigen::Matrix4d> poses;  ///< T_world_frame
+  std::string frame;                   ///< "body", "left", or "" where the file does not say
+  std::string source;                  ///< file name, for messages
 
   std::size_t size() const { return poses.size(); }
   bool has_stamps() const { return !stamps_s.empty(); }

@@ -1,0 +1,40 @@
+#include "app/settings.hpp"
+
+#include <filesystem>
+
+#include "slam/base/error.hpp"
+
+namespace imslam::app {
+namespace {
+
+/// A file as given, or one of the shipped configs by its bare name ("kitti", "paper_euroc").
+std::filesystem::path find_config(const std::string& name) {
+  if (std::filesystem::exists(name)) return name;
+  const std::filesystem::path shipped(IMSLAM_CONFIG_FOLDER);
+  for (const auto& candidate : {shipped / name, shipped / (name + ".yaml")}) {
+    if (std::filesystem::exists(candidate)) return candidate;
+  }
+  throw InputError(name + ": no such config file; shipped ones are in " + shipped.string(),
+                   ExitCode::kUsage);
+}
+
+}  // namespace
+
+Settings::Settings() { slam_.describe(config_); }
+
+void ConfigLayers::add_options(CLI::App& command) {
+  command.add_option("-c,--config", files_, "YAML file(s), or the name of a shipped one")
+      ->type_name("FILE");
+  command.add_option("--set", assignments_, "Override one key, e.g. --set pgo.huber=1.0")
+      ->type_name("KEY=VALUE");
+}
+
+void ConfigLayers::apply(Settings& settings) const {
+  Config& config = settings.config();
+  for (const std::string& file : files_) config.load_file(find_config(file));
+  config.load_environment();
+  for (const std::string& assignment : assignments_) config.set(assignment, "--set");
+  settings.validate();
+}
+
+}  // namespace imslam::app
