@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+#include "slam/sensors/trajectory.hpp"
+
+namespace imslam::system {
+
+/// One scene point as seen from a frame.
+struct MapPoint {
+  Eigen::Vector3f p_body = Eigen::Vector3f::Zero();  ///< [m], in the body frame of `frame`
+  std::uint32_t frame = 0;                           ///< index into the trajectory
+  std::uint8_t gray = 0;
+};
+
+/// Collects points while running and puts them into the world once the trajectory is known.
+class MapBuilder {
+ public:
+  void add(const MapPoint& point) { points_.push_back(point); }
+  std::size_t size() const { return points_.size(); }
+
+  /// Writes a PCD file (binary, x y z intensity) with one point per cube of side `voxel_m`.
+  /// Points of frames beyond the trajectory are left out. Throws InputError(kOutput).
+  void write_pcd(const std::filesystem::path& file,
+                 const Trajectory& trajectory,
+                 double voxel_m) const;
+
+ private:
+  std::vector<MapPoint> points_;
+};
+
+}  // namespace imslam::system

@@ -1,0 +1,48 @@
+#include "slam/system/map_builder.hpp"
+
+#include <gtest/gtest.h>
+#include <pcl/io/pcd_io.h>
+#include <pcl/point_types.h>
+
+#include "slam/base/error.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace imslam::system {
+namespace {
+
+Trajectory two_poses() {
+  Trajectory trajectory;
+  trajectory.add(0, lie::SE3d());
+  trajectory.add(1, lie::SE3d(lie::SO3d(), {10.0, 0.0, 0.0}));
+  return trajectory;
+}
+
+TEST(MapBuilder, PutsPointsIntoTheWorldAndMergesNeighbours) {
+  MapBuilder map;
+  map.add({{1.01F, 2.01F, 3.01F}, 0, 100});
+  map.add({{1.02F, 2.02F, 3.02F}, 0, 200});
+  map.add({{1.01F, 2.01F, 3.01F}, 1, 50});
+  map.add({{0.0F, 0.0F, 0.0F}, 7, 50});  // a frame that has no pose
+  const testing::TempDir dir;
+  map.write_pcd(dir.path() / "map.pcd", two_poses(), 0.1);
+
+  pcl::PointCloud<pcl::PointXYZI> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile((dir.path() / "map.pcd").string(), cloud), 0);
+  ASSERT_EQ(cloud.size(), 2U);
+  EXPECT_NEAR(cloud[0].x, 1.015F, 1e-4F);
+  EXPECT_NEAR(cloud[0].intensity, 150.0F, 1e-3F);
+  EXPECT_NEAR(cloud[1].x, 11.01F, 1e-4F);
+}
+
+TEST(MapBuilder, AFolderThatIsNotThereIsAnOutputError) {
+  const testing::TempDir dir;
+  try {
+    MapBuilder().write_pcd(dir.path() / "none" / "map.pcd", two_poses(), 0.1);
+    FAIL() << "expected InputError";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.code(), ExitCode::kOutput);
+  }
+}
+
+}  // namespace
+}  // namespace imslam::system
