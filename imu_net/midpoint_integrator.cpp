@@ -8,6 +8,17 @@ namespace imslam::imu {
 using lie::skew;
 using lie::SO3d;
 
+namespace {
+
+constexpr int kGapSteps = 4;  ///< enough to tell a ramp from a constant
+
+int step_count(const SignalNode& a, const SignalNode& b, double max_step_s) {
+  const double steps = std::ceil((b.time_s - a.time_s) / max_step_s - 1e-9);
+  return std::max(1, static_cast<int>(steps));
+}
+
+}  // namespace
+
 SignalNode between(const SignalNode& a, const SignalNode& b, double fraction) {
   const auto mix = [fraction](const auto& x, const auto& y) { return x + fraction * (y - x); };
   SignalNode node;
@@ -21,15 +32,7 @@ SignalNode between(const SignalNode& a, const SignalNode& b, double fraction) {
 }
 
 void MidpointIntegrator::add(const SignalNode& a, const SignalNode& b, double max_step_s) {
-  const double length = b.time_s - a.time_s;
-  if (length <= 0.0) return;
-  const int steps = std::max(1, static_cast<int>(std::ceil(length / max_step_s - 1e-9)));
-  SignalNode from = a;
-  for (int i = 1; i <= steps; ++i) {
-    const SignalNode to = between(a, b, static_cast<double>(i) / steps);
-    step(from, to);
-    from = to;
-  }
+  add_steps(a, b, step_count(a, b, max_step_s));
 }
 
 void MidpointIntegrator::add_gap(const SignalNode& a,
@@ -38,12 +41,25 @@ void MidpointIntegrator::add_gap(const SignalNode& a,
                                  const GapSpread& spread) {
   in_gap_ = true;
   J_gap_.setZero();
-  add(a, b, max_step_s);
+  J_gap_ramp_.setZero();
+  add_steps(a, b, std::max(kGapSteps, step_count(a, b, max_step_s)));
   in_gap_ = false;
   Eigen::Matrix<double, 6, 1> variance;
   variance << Eigen::Vector3d::Constant(spread.rate * spread.rate),
       Eigen::Vector3d::Constant(spread.force * spread.force);
-  covariance_ += J_gap_ * variance.asDiagonal() * J_gap_.transpose();
+  covariance_ += J_gap_ * variance.asDiagonal() * J_gap_.transpose() +
+                 J_gap_ramp_ * variance.asDiagonal() * J_gap_ramp_.transpose();
+}
+
+void MidpointIntegrator::add_steps(const SignalNode& a, const SignalNode& b, int steps) {
+  if (b.time_s <= a.time_s) return;
+  SignalNode from = a;
+  for (int i = 1; i <= steps; ++i) {
+    const SignalNode to = between(a, b, static_cast<double>(i) / steps);
+    ramp_ = std::sqrt(3.0) * ((2.0 * i - 1.0) / steps - 1.0);  // mean square 1, like the constant
+    step(from, to);
+    from = to;
+  }
 }
 
 template <int Columns>
@@ -109,6 +125,9 @@ void MidpointIntegrator::advance_derivatives(const StepDerivative& d,
     d.carry(J_gap_);
     J_gap_.leftCols<3>() += d.B_rate;
     J_gap_.rightCols<3>() += d.B_force;
+    d.carry(J_gap_ramp_);
+    J_gap_ramp_.leftCols<3>() += ramp_ * d.B_rate;
+    J_gap_ramp_.rightCols<3>() += ramp_ * d.B_force;
   }
 }
 

@@ -21,7 +21,9 @@ struct SignalNode {
 /// The point a fraction of the way from a to b, linearly.
 SignalNode between(const SignalNode& a, const SignalNode& b, double fraction);
 
-/// Standard deviation of what a stretch without samples may hide, constant over the stretch.
+/// Standard deviation of what a stretch without samples may hide. The unknown error is a constant
+/// plus a ramp from one end to the other, each that strong: together they reach velocity and
+/// position independently.
 struct GapSpread {
   double rate = 0.0;   ///< [rad/s]
   double force = 0.0;  ///< [m/s^2]
@@ -57,6 +59,7 @@ class MidpointIntegrator {
     void carry(Eigen::Matrix<double, 9, Columns>& X) const;
   };
 
+  void add_steps(const SignalNode& a, const SignalNode& b, int steps);
   void step(const SignalNode& a, const SignalNode& b);
   void advance_derivatives(const StepDerivative& d, const SignalNode& a, const SignalNode& b);
 
@@ -69,7 +72,9 @@ class MidpointIntegrator {
   Eigen::Matrix<double, 9, 6> J_bias_ = Eigen::Matrix<double, 9, 6>::Zero();
   Eigen::Matrix<double, 9, 1> J_time_offset_ = Eigen::Matrix<double, 9, 1>::Zero();
   bool in_gap_ = false;
-  Eigen::Matrix<double, 9, 6> J_gap_;  ///< w.r.t. an error [rate force] since the gap began
+  double ramp_ = 0.0;                       ///< value of the gap's ramp in the present step
+  Eigen::Matrix<double, 9, 6> J_gap_;       ///< w.r.t. a constant error [rate force]
+  Eigen::Matrix<double, 9, 6> J_gap_ramp_;  ///< w.r.t. the strength of a ramp
 };
 
 }  // namespace imslam::imu

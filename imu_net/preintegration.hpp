@@ -36,9 +36,10 @@ struct PreintegrationOptions {
 /// J_time_offset and the bias Jacobians are exact derivatives of these sums.
 ///
 /// Readings that are not finite or reach the range of the sensor are dropped. What is not seen is
-/// interpolated between its two neighbours, or held where there is only one; there the covariance
+/// interpolated between its two neighbours, or held where there is only one. There the covariance
 /// grows with the length of the gap and with the strength of the motion around it, as for an
-/// unknown error of the rate and the specific force that is constant over the gap (gap_spread()).
+/// unknown rate and specific force (constant plus ramp). Errors of two intervals in one gap are
+/// taken as independent.
 ///   degraded   a gap > max_gap_s or a saturated reading was bridged
 ///   !valid     a gap > max_bridge_s or no usable reading: zero motion, covariance 1e6 I
 ///

@@ -60,7 +60,10 @@ TEST(Preintegrate, ErrorShrinksWithTheSquareOfTheRate) {
   const ImuMotion truth = body.truth(0.2, 1.2);
   Vector9d coarse;
   for (const double rate_hz : {50.0, 100.0, 200.0, 400.0}) {
-    const ImuMotion motion = integrate(body.samples(0.0, 2.0, rate_hz), 0.2, 1.2);
+    ImuNoise noise;
+    noise.rate_hz = rate_hz;
+    const ImuMotion motion =
+        preintegrate(body.samples(0.0, 2.0, rate_hz), stamp(0.2), stamp(1.2), ImuBias{}, noise);
     const Vector9d error = difference(motion, truth);
     if (rate_hz > 50.0) {
       EXPECT_NEAR(coarse.head<3>().norm() / error.head<3>().norm(), 4.0, 0.3) << rate_hz;
