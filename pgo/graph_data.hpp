@@ -1,0 +1,124 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "slam/lie/nav_state.hpp"
+#include "slam/sensors/imu.hpp"
+#include "slam/sensors/motion.hpp"
+
+namespace imslam::pgo {
+
+/// What is estimated at one frame.
+struct State {
+  std::int64_t time_ns = 0;
+  lie::NavState nav;
+  ImuBias bias;
+};
+
+/// What is estimated once for the whole graph (or held, see GraphOptions).
+struct Globals {
+  Eigen::Vector3d gravity_direction = -Eigen::Vector3d::UnitZ();  ///< in world, unit vector
+  double disparity_offset = 0.0;                                  ///< [px]
+  double time_offset_s = 0.0;  ///< [s], t_imu = t_camera + time_offset
+};
+
+/// A motion that vision measured between two states, consecutive or not.
+struct VisualEdge {
+  int from = 0;
+  int to = 0;
+  RelativeMotion motion;
+  Eigen::Matrix<double, 6, 6> sqrt_information;  ///< lower triangular
+};
+
+/// A motion that the IMU measured between two states.
+struct InertialEdge {
+  int from = 0;
+  int to = 0;
+  ImuMotion motion;
+  Eigen::Matrix<double, 9, 9> sqrt_information;  ///< lower triangular
+};
+
+struct PosePrior {
+  int state = 0;
+  lie::SE3d T_world_body;
+  Eigen::Matrix<double, 6, 6> sqrt_information;  ///< lower triangular
+};
+
+/// Position and heading of one pose: the 4-dof gauge of a graph with gravity.
+struct Anchor {
+  int state = 0;
+  lie::SE3d T_world_body;
+  double sigma_position_m = 0.0;
+  double sigma_yaw_rad = 0.0;
+};
+
+struct VelocityPrior {
+  int state = 0;
+  Eigen::Vector3d v_world;
+  double sigma = 0.0;  ///< [m/s]
+};
+
+struct BiasPrior {
+  int state = 0;
+  ImuBias bias;
+  double sigma_gyro = 0.0;   ///< [rad/s]
+  double sigma_accel = 0.0;  ///< [m/s^2]
+};
+
+struct GravityPrior {
+  Eigen::Vector3d direction;
+  double sigma = 0.0;  ///< [rad]
+};
+
+struct ScalarPrior {
+  double value = 0.0;
+  double sigma = 0.0;
+};
+
+/// Names one parameter block of the graph. `state` is ignored for the global ones.
+struct BlockId {
+  enum class Kind { kPose, kVelocity, kBias, kGravity, kDisparityOffset, kTimeOffset };
+  Kind kind = Kind::kPose;
+  int state = 0;
+
+  bool global() const { return kind >= Kind::kGravity; }
+  friend bool operator==(const BlockId& a, const BlockId& b) {
+    return a.kind == b.kind && (a.global() || a.state == b.state);
+  }
+};
+
+/// What marginalised states still say about the remaining ones: a linear prior
+///
+///   r = residual + J [x_0 minus X_0, x_1 minus X_1, ...]
+///
+/// around the point X where it was linearised ("first estimates"); minus is that of each block's
+/// manifold and the columns of J follow `blocks`.
+struct MarginalPrior {
+  std::vector<BlockId> blocks;
+  std::vector<Eigen::VectorXd> point;  ///< X: the numbers of each block, as in the parameter block
+  Eigen::MatrixXd J;
+  Eigen::VectorXd residual;
+
+  bool empty() const { return blocks.empty(); }
+};
+
+/// The graph as plain data.
+struct GraphData {
+  std::vector<State> states;
+  Globals globals;
+
+  std::vector<VisualEdge> visual_edges;
+  std::vector<InertialEdge> inertial_edges;
+  std::vector<PosePrior> pose_priors;
+  std::vector<Anchor> anchors;
+  std::vector<VelocityPrior> velocity_priors;
+  std::vector<BiasPrior> bias_priors;
+  std::vector<GravityPrior> gravity_priors;
+  std::vector<ScalarPrior> disparity_offset_priors;
+  std::vector<ScalarPrior> time_offset_priors;
+  MarginalPrior marginal;
+};
+
+}  // namespace imslam::pgo
