@@ -8,8 +8,9 @@ namespace imslam::vo {
 
 /// One scene point seen by both rectified pairs, at t-1 (0) and t (1).
 ///
-/// The pixel in left0 is chosen by the matcher and hence exact; what is measured is where it lies in
-/// the three other images: left1 (2 numbers) and, on the same row, right0 and right1 (disparities).
+/// The pixel in left0 is chosen by the matcher and hence exact; what is measured is where it lies
+/// in the three other images: left1 (2 numbers) and, on the same row, right0 and right1
+/// (disparities).
 ///
 ///   z = [u_left1  v_left1  disparity0  disparity1]
 struct Correspondence {

@@ -1,0 +1,273 @@
+#include "vo_net/klt_matcher.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "slam/base/error.hpp"
+#include "slam/base/parallel.hpp"
+#include "vo_net/corner_detector.hpp"
+#include "vo_net/patch_aligner.hpp"
+#include "vo_net/stereo_matcher.hpp"
+
+namespace imslam::vo {
+namespace {
+
+constexpr std::size_t kChunk = 32;            // points per parallel task
+constexpr double kMinSurvivors = 0.3;         // fewer: the prediction may have been wrong
+constexpr double kMinPredictDisparity = 0.1;  // [px] nearer infinity only the rotation counts
+
+/// A point that lives in the newest frame.
+struct Track {
+  std::int64_t id = 0;
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();
+  Disparity disparity;
+};
+
+template <typename Body>
+void parallel_chunks(std::size_t count, const Body& body) {
+  parallel_for((count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    const std::size_t end = std::min(count, (chunk + 1) * kChunk);
+    for (std::size_t i = chunk * kChunk; i < end; ++i) body(i);
+  });
+}
+
+/// [u v disparity] after the motion; the point itself where it would be behind the camera.
+Eigen::Vector3d predict(const StereoCamera& camera, const Track& track, const lie::SE3d& T_1_0) {
+  const double d = std::max(track.disparity.value, kMinPredictDisparity);
+  const Eigen::Vector3d uvd(track.left.x(), track.left.y(), d);
+  const Eigen::Vector3d p = T_1_0 * camera.back_project(uvd);
+  return p.z() > 0.1 ? camera.project(p) : uvd;
+}
+
+}  // namespace
+
+class KltMatcher::State {
+ public:
+  State(const KltOptions& options_in, const StereoCamera& camera_in)
+      : options(options_in), camera(camera_in) {
+    options.validate();
+    align.window = options.window;
+  }
+
+  MatchResult match(const StereoFrame& frame, const lie::SE3d& T_left0_left1);
+  void drop(const std::vector<std::int64_t>& ids);
+
+  KltOptions options;
+  StereoCamera camera;
+
+ private:
+  /// A track of the frame before, found again in the new one.
+  struct Followed {
+    std::optional<Correspondence> match;
+    Track track;
+  };
+  struct Keyframe {
+    std::int64_t time_ns = 0;
+    int age = 0;
+    ImagePyramid left;
+    std::vector<Track> tracks;  // by increasing id
+  };
+
+  std::vector<Followed> follow_all(const lie::SE3d& T_left1_left0);
+  Followed follow(const Track& track, const lie::SE3d& T_left1_left0) const;
+  std::optional<Alignment> follow_left(const ImagePyramid& from,
+                                       const Eigen::Vector2d& center,
+                                       const Eigen::Vector2d& start,
+                                       int level) const;
+  Correspondence correspondence(const Track& before,
+                                const Alignment& left1,
+                                const Disparity& disparity1) const;
+  double information(double variance) const {
+    return 1.0 / (variance + options.sigma_floor * options.sigma_floor);
+  }
+  void add_corners();
+  void match_keyframe(MatchResult& result);
+  void replace_keyframe(std::int64_t time_ns);
+
+  AlignOptions align;
+  ImagePyramid left_before_;
+  ImagePyramid left_;
+  ImagePyramid right_;
+  std::int64_t time_before_ns_ = 0;
+  bool has_frame_ = false;
+  std::vector<Track> tracks_;
+  std::int64_t next_id_ = 0;
+  Keyframe keyframe_;
+};
+
+std::optional<Alignment> KltMatcher::State::follow_left(const ImagePyramid& from,
+                                                        const Eigen::Vector2d& center,
+                                                        const Eigen::Vector2d& start,
+                                                        int level) const {
+  const Alignment forth = align_patch(from, center, left_, start, level, align, false);
+  if (!forth.found || forth.correlation < options.min_correlation) return std::nullopt;
+  const Alignment back = align_patch(left_, forth.position, from, center, 0, align, false);
+  if (!back.found || (back.position - center).norm() > options.max_round_trip) return std::nullopt;
+  return forth;
+}
+
+Correspondence KltMatcher::State::correspondence(const Track& before,
+                                                 const Alignment& left1,
+                                                 const Disparity& disparity1) const {
+  Correspondence c;
+  c.left0 = before.left;
+  c.left1 = left1.position;
+  c.disparity0 = before.disparity.value;
+  c.disparity1 = disparity1.value;
+  const double floor = options.sigma_floor * options.sigma_floor;
+  const Eigen::Matrix2d covariance = left1.covariance + floor * Eigen::Matrix2d::Identity();
+  const Eigen::Matrix2d information = covariance.inverse();
+  c.flow_information = 0.5 * (information + information.transpose());
+  c.disparity0_information = this->information(before.disparity.variance);
+  c.disparity1_information = this->information(disparity1.variance);
+  c.track_id = before.id;
+  return c;
+}
+
+KltMatcher::State::Followed KltMatcher::State::follow(const Track& track,
+                                                      const lie::SE3d& T_left1_left0) const {
+  Followed followed;
+  const Eigen::Vector3d expected = predict(camera, track, T_left1_left0);
+  const std::optional<Alignment> left1 =
+      follow_left(left_before_, track.left, expected.head<2>(), options.levels - 1);
+  if (!left1) return followed;
+  const StereoMatcher stereo(options, left_, right_);
+  const std::optional<Disparity> disparity1 = stereo.refine(left1->position, expected.z());
+  if (!disparity1) return followed;
+  followed.match = correspondence(track, *left1, *disparity1);
+  followed.track = {track.id, left1->position, *disparity1};
+  return followed;
+}
+
+std::vector<KltMatcher::State::Followed> KltMatcher::State::follow_all(
+    const lie::SE3d& T_left1_left0) {
+  std::vector<Followed> followed(tracks_.size());
+  parallel_chunks(tracks_.size(),
+                  [&](std::size_t i) { followed[i] = follow(tracks_[i], T_left1_left0); });
+  return followed;
+}
+
+void KltMatcher::State::add_corners() {
+  std::vector<Eigen::Vector2d> taken;
+  for (const Track& track : tracks_) taken.push_back(track.left);
+  CornerOptions corner_options;
+  corner_options.max_points = options.max_points;
+  corner_options.min_quality = options.min_quality;
+  corner_options.margin = options.window / 2 + 4;
+  const std::vector<Eigen::Vector2d> corners = detect_corners(left_, taken, corner_options);
+
+  const StereoMatcher stereo(options, left_, right_);
+  std::vector<std::optional<Disparity>> disparities(corners.size());
+  parallel_chunks(corners.size(),
+                  [&](std::size_t i) { disparities[i] = stereo.search(corners[i]); });
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (disparities[i]) tracks_.push_back({next_id_++, corners[i], *disparities[i]});
+  }
+}
+
+void KltMatcher::State::match_keyframe(MatchResult& result) {
+  std::vector<std::pair<const Track*, const Track*>> pairs;  // keyframe, now
+  auto old = keyframe_.tracks.begin();
+  for (const Track& track : tracks_) {
+    while (old != keyframe_.tracks.end() && old->id < track.id) ++old;
+    if (old != keyframe_.tracks.end() && old->id == track.id) pairs.emplace_back(&*old, &track);
+  }
+  std::vector<std::optional<Correspondence>> found(pairs.size());
+  parallel_chunks(pairs.size(), [&](std::size_t i) {
+    const auto [before, now] = pairs[i];
+    const std::optional<Alignment> left1 = follow_left(keyframe_.left, before->left, now->left, 0);
+    // The disparity belongs to where the chain of small steps ended, a fraction of a pixel away.
+    if (left1 && (left1->position - now->left).norm() < 1.0) {
+      found[i] = correspondence(*before, *left1, now->disparity);
+    }
+  });
+  FrameMatch match;
+  match.time0_ns = keyframe_.time_ns;
+  for (const auto& c : found) {
+    if (c) match.correspondences.push_back(*c);
+  }
+  result.earlier.push_back(std::move(match));
+}
+
+void KltMatcher::State::replace_keyframe(std::int64_t time_ns) {
+  keyframe_.time_ns = time_ns;
+  keyframe_.age = 0;
+  keyframe_.left = left_;
+  keyframe_.tracks = tracks_;
+}
+
+MatchResult KltMatcher::State::match(const StereoFrame& frame, const lie::SE3d& T_left0_left1) {
+  std::swap(left_, left_before_);
+  left_.build(frame.left, options.levels, options.smoothing);
+  right_.build(frame.right, options.levels, options.smoothing);
+
+  MatchResult result;
+  result.previous.time0_ns = time_before_ns_;
+  if (has_frame_) {
+    const auto survivors = [](const std::vector<Followed>& all) {
+      return std::count_if(all.begin(), all.end(),
+                           [](const Followed& f) { return f.match.has_value(); });
+    };
+    std::vector<Followed> followed = follow_all(T_left0_left1.inverse());
+    if (static_cast<double>(survivors(followed)) <
+        kMinSurvivors * static_cast<double>(tracks_.size())) {
+      std::vector<Followed> at_rest = follow_all(lie::SE3d());
+      if (survivors(at_rest) > survivors(followed)) followed = std::move(at_rest);
+    }
+    tracks_.clear();
+    for (const Followed& f : followed) {
+      if (!f.match) continue;
+      result.previous.correspondences.push_back(*f.match);
+      tracks_.push_back(f.track);
+    }
+  }
+  if (options.keyframe_age > 0) {
+    const auto kept = static_cast<double>(tracks_.size());
+    if (has_frame_ && ++keyframe_.age >= 2) match_keyframe(result);
+    if (!has_frame_ || keyframe_.age >= options.keyframe_age || result.earlier.empty() ||
+        static_cast<double>(result.earlier.front().correspondences.size()) <
+            options.keyframe_overlap * kept) {
+      if (keyframe_.age != 1) {
+        add_corners();
+        replace_keyframe(frame.time_ns);
+      }
+    }
+  }
+  add_corners();
+  for (const Track& track : tracks_) {
+    result.points.push_back(
+        {track.left, track.disparity.value, information(track.disparity.variance), track.id});
+  }
+  time_before_ns_ = frame.time_ns;
+  has_frame_ = true;
+  return result;
+}
+
+void KltMatcher::State::drop(const std::vector<std::int64_t>& ids) {
+  std::vector<std::int64_t> sorted = ids;
+  std::sort(sorted.begin(), sorted.end());
+  tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(),
+                               [&](const Track& track) {
+                                 return std::binary_search(sorted.begin(), sorted.end(), track.id);
+                               }),
+                tracks_.end());
+}
+
+KltMatcher::KltMatcher(const KltOptions& options, const StereoCamera& camera)
+    : state_(std::make_unique<State>(options, camera)) {}
+
+KltMatcher::~KltMatcher() = default;
+
+MatchResult KltMatcher::match(const StereoFrame& frame, const lie::SE3d& T_body0_body1_predicted) {
+  expects(frame.complete(), "KltMatcher::match: both images must be there");
+  const lie::SE3d& T_body_left = state_->camera.T_body_left;
+  return state_->match(frame, T_body_left.inverse() * T_body0_body1_predicted * T_body_left);
+}
+
+void KltMatcher::drop(const std::vector<std::int64_t>& track_ids) { state_->drop(track_ids); }
+
+void KltMatcher::reset() { state_ = std::make_unique<State>(state_->options, state_->camera); }
+
+}  // namespace imslam::vo

@@ -1,0 +1,104 @@
+#include "vo_net/pose_layer_system.hpp"
+
+namespace imslam::vo::detail {
+namespace {
+
+/// What a point costs that would lie behind the camera: more than any sane residual.
+constexpr double kBehindCamera = 1e6;
+
+Eigen::Matrix<double, 7, 1> without_disparity(const PointVector& v) {
+  Eigen::Matrix<double, 7, 1> r;
+  r << v.head<6>(), v[kOffset];
+  return r;
+}
+
+void add_reduced(const PointModel& m, double curvature, ReducedSystem& system) {
+  const ReducedVector coupling = without_disparity(m.H.col(kDisparity));
+  system.H.topLeftCorner<6, 6>() += m.H.topLeftCorner<6, 6>();
+  system.H.block<6, 1>(0, 6) += m.H.block<6, 1>(0, kOffset);
+  system.H.block<1, 6>(6, 0) += m.H.block<1, 6>(kOffset, 0);
+  system.H(6, 6) += m.H(kOffset, kOffset);
+  system.H -= coupling * (coupling / curvature).transpose();
+  system.g += without_disparity(m.g) - coupling * (m.g[kDisparity] / curvature);
+}
+
+}  // namespace
+
+void ReducedSystem::back_substitute(const ReducedVector& step, std::vector<double>& d) const {
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const EliminatedPoint& p = points[k];
+    if (p.curvature <= 0.0) continue;
+    d[k] -= (p.gradient + p.coupling.dot(step)) / (p.curvature * (1.0 + damping));
+  }
+}
+
+PointModel model_point(const Problem& problem,
+                       const Views& views,
+                       const Correspondence& c,
+                       const PointState& point,
+                       Model model) {
+  PointModel m;
+  const Eigen::Vector4d f = apply_information(c, point.e);
+  m.s = point.e.dot(f);
+  m.kernel = evaluate_kernel(problem.kernel, m.s, problem.kernel_k2);
+  m.cost = 0.5 * c.weight * m.kernel.rho;
+
+  const PointJacobian J = point_jacobian(views, point);
+  const PointVector Jf = J.transpose() * f;
+  PointJacobian OmegaJ;
+  OmegaJ.topRows<2>() = c.flow_information * J.topRows<2>();
+  OmegaJ.row(2) = c.disparity0_information * J.row(2);
+  OmegaJ.row(3) = c.disparity1_information * J.row(3);
+  const double weight = c.weight * m.kernel.first;
+  m.g = weight * Jf;
+  m.H = weight * (J.transpose() * OmegaJ);
+  if (model == Model::kExact) {
+    m.H += weight * curvature(views, point, f);
+    m.H += (2.0 * c.weight * m.kernel.second) * (Jf * Jf.transpose());
+  }
+  return m;
+}
+
+void build_system(const Problem& problem,
+                  const Estimate& estimate,
+                  Model model,
+                  double damping,
+                  ReducedSystem& system) {
+  const Views views(problem.camera, estimate.T_left0_left1, problem.offset);
+  const std::size_t count = problem.correspondences.size();
+  system.H.setZero();
+  system.g.setZero();
+  system.cost = 0.0;
+  system.damping = damping;
+  system.used = 0;
+  system.points.assign(count, EliminatedPoint());
+  for (std::size_t k = 0; k < count; ++k) {
+    if (problem.usable[k] == 0) continue;
+    const Correspondence& c = problem.correspondences[k];
+    const PointState point = evaluate_point(views, c, estimate.disparities[k]);
+    EliminatedPoint& eliminated = system.points[k];
+    if (!point.in_front) {
+      eliminated.s = kBehindCamera;
+      system.cost +=
+          0.5 * c.weight * evaluate_kernel(problem.kernel, kBehindCamera, problem.kernel_k2).rho;
+      continue;
+    }
+    PointModel m = model_point(problem, views, c, point, model);
+    if (model == Model::kExact && !(m.H(kDisparity, kDisparity) > 0.0)) {
+      m = model_point(problem, views, c, point, Model::kGaussNewton);
+    }
+    eliminated.s = m.s;
+    eliminated.slope = m.kernel.first;
+    eliminated.bend = m.kernel.second;
+    system.cost += m.cost;
+    ++system.used;
+    const double own_curvature = m.H(kDisparity, kDisparity);
+    if (!(own_curvature > 0.0)) continue;
+    eliminated.coupling = without_disparity(m.H.col(kDisparity));
+    eliminated.curvature = own_curvature;
+    eliminated.gradient = m.g[kDisparity];
+    add_reduced(m, own_curvature * (1.0 + damping), system);
+  }
+}
+
+}  // namespace imslam::vo::detail
