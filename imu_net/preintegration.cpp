@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <string>
 
 #include "imu_net/midpoint_integrator.hpp"
+#include "imu_net/option_bounds.hpp"
+#include "imu_net/sample_health.hpp"
 #include "slam/base/config.hpp"
 #include "slam/base/error.hpp"
 #include "slam/base/time.hpp"
@@ -16,17 +17,6 @@ namespace {
 constexpr double kUnknownVariance = 1e6;
 constexpr double kLargestOffset_s = 1e3;
 constexpr double kHolePeriods = 1.5;  ///< jitter of the stamps is no hole yet
-
-enum class Health { kGood, kSaturated, kBroken };
-
-Health health(const ImuSample& sample, const ImuNoise& noise) {
-  if (!sample.angular_velocity.allFinite() || !sample.linear_acceleration.allFinite()) {
-    return Health::kBroken;
-  }
-  const bool inside = sample.angular_velocity.cwiseAbs().maxCoeff() < noise.gyro_range &&
-                      sample.linear_acceleration.cwiseAbs().maxCoeff() < noise.accel_range;
-  return inside ? Health::kGood : Health::kSaturated;
-}
 
 /// Walks over the usable samples around one interval and hands each stretch to the integrator.
 class IntervalWalk {
@@ -82,7 +72,7 @@ const ImuSample* IntervalWalk::first_sample() const {
   while (sample != samples_.begin()) {
     --sample;
     if (start_s_ - seconds(*sample) > options_.max_bridge_s) return sample;
-    if (health(*sample, noise_) == Health::kGood) return sample;
+    if (sample_health(*sample, noise_) == SampleHealth::kGood) return sample;
   }
   return sample;
 }
@@ -117,10 +107,10 @@ ImuMotion IntervalWalk::run() {
 }
 
 void IntervalWalk::visit(const ImuSample& sample) {
-  const Health state = health(sample, noise_);
-  if (state != Health::kGood) {
+  const SampleHealth state = sample_health(sample, noise_);
+  if (state != SampleHealth::kGood) {
     dropped_ = true;
-    saturated_ = saturated_ || state == Health::kSaturated;
+    saturated_ = saturated_ || state == SampleHealth::kSaturated;
     return;
   }
   const SignalNode current = node(sample);
@@ -185,13 +175,6 @@ GapSpread IntervalWalk::gap_spread(const SignalNode& a,
           share * (options_.gap_accel_floor + swing + (b.force - a.force).norm())};
 }
 
-void check_bound(bool holds, const char* key, double value, const char* bound) {
-  if (holds) return;
-  throw InputError(std::string("imu.preintegration.") + key + " = " + std::to_string(value) +
-                       ": must be " + bound,
-                   ExitCode::kUsage);
-}
-
 }  // namespace
 
 void PreintegrationOptions::describe(Config& config) {
@@ -205,14 +188,15 @@ void PreintegrationOptions::describe(Config& config) {
 }
 
 void PreintegrationOptions::validate() const {
-  check_bound(max_gap_s > 0.0, "max_gap_s", max_gap_s, "> 0");
-  check_bound(max_bridge_s >= max_gap_s && max_bridge_s <= 60.0, "max_bridge_s", max_bridge_s,
-              ">= max_gap_s and <= 60");
-  check_bound(max_step_s >= 1e-4 && max_step_s <= 1.0, "max_step_s", max_step_s,
-              "between 0.0001 and 1");
-  check_bound(gap_correlation_s > 0.0, "gap_correlation_s", gap_correlation_s, "> 0");
-  check_bound(gap_gyro_floor >= 0.0, "gap_gyro_floor", gap_gyro_floor, ">= 0");
-  check_bound(gap_accel_floor >= 0.0, "gap_accel_floor", gap_accel_floor, ">= 0");
+  check_option(max_gap_s > 0.0, "preintegration.max_gap_s", max_gap_s, "> 0");
+  check_option(max_bridge_s >= max_gap_s && max_bridge_s <= 60.0, "preintegration.max_bridge_s",
+               max_bridge_s, ">= max_gap_s and <= 60");
+  check_option(max_step_s >= 1e-4 && max_step_s <= 1.0, "preintegration.max_step_s", max_step_s,
+               "between 0.0001 and 1");
+  check_option(gap_correlation_s > 0.0, "preintegration.gap_correlation_s", gap_correlation_s,
+               "> 0");
+  check_option(gap_gyro_floor >= 0.0, "preintegration.gap_gyro_floor", gap_gyro_floor, ">= 0");
+  check_option(gap_accel_floor >= 0.0, "preintegration.gap_accel_floor", gap_accel_floor, ">= 0");
 }
 
 ImuMotion preintegrate(ImuRange samples,
