@@ -1,7 +1,11 @@
 #include "pgo/graph_problem.hpp"
 
+#include <glog/logging.h>
+
 #include <algorithm>
 #include <cmath>
+#include <mutex>
+#include <thread>
 
 #include "slam/base/error.hpp"
 #include "slam/base/time.hpp"
@@ -27,12 +31,29 @@ bool all_finite(const std::vector<std::array<double, kSize>>& blocks) {
   });
 }
 
+/// Ceres speaks through glog; what it has to say is in the SolveReport.
+void silence_ceres() {
+  static std::once_flag once;
+  std::call_once(once, [] { FLAGS_minloglevel = google::GLOG_FATAL; });
+}
+
 }  // namespace
+
+std::unique_ptr<ceres::LossFunction> make_loss(const GraphOptions& options) {
+  if (options.kernel == "huber") {
+    return std::make_unique<ceres::HuberLoss>(options.kernel_width);
+  }
+  if (options.kernel == "cauchy") {
+    return std::make_unique<ceres::CauchyLoss>(options.kernel_width);
+  }
+  return nullptr;
+}
 
 GraphProblem::GraphProblem(const GraphData& data, const GraphOptions& options)
     : options_(options), problem_(std::make_unique<ceres::Problem>(problem_options())) {
+  silence_ceres();
   copy_blocks(data);
-  loss_ = make_loss();
+  loss_ = make_loss(options);
   add_visual_edges(data);
   add_inertial_edges(data);
   add_bias_walks(data);
@@ -41,16 +62,6 @@ GraphProblem::GraphProblem(const GraphData& data, const GraphOptions& options)
   add_marginal_prior(data);
   set_manifolds();
   hold_globals();
-}
-
-std::unique_ptr<ceres::LossFunction> GraphProblem::make_loss() const {
-  if (options_.kernel == "huber") {
-    return std::make_unique<ceres::HuberLoss>(options_.kernel_width);
-  }
-  if (options_.kernel == "cauchy") {
-    return std::make_unique<ceres::CauchyLoss>(options_.kernel_width);
-  }
-  return nullptr;
 }
 
 void GraphProblem::copy_blocks(const GraphData& data) {
@@ -235,7 +246,8 @@ ceres::Solver::Options ceres_options(const SolverOptions& options) {
   result.parameter_tolerance = options.parameter_tolerance;
   result.initial_trust_region_radius = options.initial_trust_region;
   result.max_trust_region_radius = 1e16;
-  result.num_threads = options.threads;
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  result.num_threads = std::min(options.threads, cores);
   result.logging_type = ceres::SILENT;
   result.minimizer_progress_to_stdout = false;
   return result;

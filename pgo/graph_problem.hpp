@@ -38,8 +38,6 @@ class GraphProblem {
   /// Copies the solution back; false and no change if any number is not finite.
   bool store(GraphData& data) const;
 
-  std::unique_ptr<ceres::LossFunction> make_loss() const;
-
  private:
   void copy_blocks(const GraphData& data);
   void add_visual_edges(const GraphData& data);
@@ -70,6 +68,9 @@ class GraphProblem {
   std::vector<ceres::ResidualBlockId> inertial_ids_;
   std::unique_ptr<ceres::Problem> problem_;  ///< last: it refers to all of the above
 };
+
+/// The robust kernel of visual edges; null: none.
+std::unique_ptr<ceres::LossFunction> make_loss(const GraphOptions& options);
 
 /// The options in the words of Ceres.
 ceres::Solver::Options ceres_options(const SolverOptions& options);

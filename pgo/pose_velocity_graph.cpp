@@ -118,7 +118,7 @@ void PoseVelocityGraph::set_globals(const Globals& globals) {
 bool PoseVelocityGraph::add_visual_edge(int from, int to, const RelativeMotion& motion) {
   expect_state(from);
   expect_state(to);
-  expects(from < to, "graph: a visual edge leads forward in time");
+  expects(from != to, "graph: a visual edge joins two states");
   const auto W = sqrt_information(motion.covariance);
   if (!W || !finite(motion)) return false;
   data_.visual_edges.push_back({from, to, motion, *W});
@@ -132,6 +132,24 @@ bool PoseVelocityGraph::add_imu_edge(int from, int to, const ImuMotion& motion) 
   const auto W = sqrt_information(motion.covariance);
   if (!W || !finite(motion)) return false;
   data_.inertial_edges.push_back({from, to, motion, *W});
+  return true;
+}
+
+bool PoseVelocityGraph::set_visual_motion(std::size_t edge, const RelativeMotion& motion) {
+  expects(edge < data_.visual_edges.size(), "graph: no such visual edge");
+  const auto W = sqrt_information(motion.covariance);
+  if (!W || !finite(motion)) return false;
+  data_.visual_edges[edge].motion = motion;
+  data_.visual_edges[edge].sqrt_information = *W;
+  return true;
+}
+
+bool PoseVelocityGraph::set_imu_motion(std::size_t edge, const ImuMotion& motion) {
+  expects(edge < data_.inertial_edges.size(), "graph: no such IMU edge");
+  const auto W = sqrt_information(motion.covariance);
+  if (!W || !finite(motion)) return false;
+  data_.inertial_edges[edge].motion = motion;
+  data_.inertial_edges[edge].sqrt_information = *W;
   return true;
 }
 

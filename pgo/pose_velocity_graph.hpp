@@ -25,9 +25,15 @@ class PoseVelocityGraph {
   /// Appends a state with its first guess and returns its index. Stamps must increase.
   int add_state(const State& guess);
 
-  /// Edges refer to existing states, from < to. False: the measurement cannot be used.
+  /// Edges refer to existing states; visual ones may also close loops. False: the measurement
+  /// cannot be used.
   bool add_visual_edge(int from, int to, const RelativeMotion& motion);
   bool add_imu_edge(int from, int to, const ImuMotion& motion);
+
+  /// Replaces the measurement of an edge, e.g. after the network that made it has learned. False:
+  /// it cannot be used and the old one stays.
+  bool set_visual_motion(std::size_t edge, const RelativeMotion& motion);
+  bool set_imu_motion(std::size_t edge, const ImuMotion& motion);
 
   /// Fixes the gauge: all 6 dof of a pose (no IMU, or gravity estimated) ...
   void anchor_pose(int state, const lie::SE3d& T_world_body);
