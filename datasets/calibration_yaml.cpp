@@ -10,13 +10,6 @@
 namespace imslam::datasets {
 namespace {
 
-int whole_pixels(const YamlValue& value, double number) {
-  if (!(number >= 0 && number <= 1e6) || number != std::floor(number)) {
-    value.fail("[width, height] in whole pixels");
-  }
-  return static_cast<int>(number);
-}
-
 void read_size(const YamlValue& value, RawCamera& camera) {
   const auto size = value.numbers(2);
   camera.width = whole_pixels(value, size[0]);
@@ -56,6 +49,13 @@ lie::SE3d rigid_motion_at(const YamlValue& map, const std::string& key) {
 }
 
 }  // namespace
+
+int whole_pixels(const YamlValue& value, double number) {
+  if (!(number >= 0 && number <= 1e6) || number != std::floor(number)) {
+    value.fail("[width, height] in whole pixels");
+  }
+  return static_cast<int>(number);
+}
 
 RawCamera read_euroc_camera(const std::filesystem::path& sensor_yaml) {
   const YamlValue map = load_yaml(sensor_yaml);

@@ -20,6 +20,9 @@ lie::SE3d read_euroc_extrinsics(const std::filesystem::path& sensor_yaml);
 /// their default; InputError(kCalibration) if one is not positive.
 ImuNoise imu_noise(const YamlValue& map);
 
+/// `number` as a count of pixels; the error names `value`.
+int whole_pixels(const YamlValue& value, double number);
+
 /// Both cameras of a Kalibr camchain. T_cam_imu carries points from IMU to camera (the inverse of
 /// T_body_camera); without it the left camera is the body.
 struct KalibrChain {

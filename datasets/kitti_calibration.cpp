@@ -71,6 +71,16 @@ Eigen::Matrix3d KittiCalibration::matrix33(const std::string& name) const {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers(name, 9).data());
 }
 
+Eigen::Vector2d KittiCalibration::vector2(const std::string& name) const {
+  return Eigen::Map<const Eigen::Vector2d>(numbers(name, 2).data());
+}
+
+lie::SE3d KittiCalibration::rotation(const std::string& name) const {
+  Eigen::Matrix4d M = Eigen::Matrix4d::Identity();
+  M.topLeftCorner<3, 3>() = matrix33(name);
+  return rigid_motion(M, where(name));
+}
+
 lie::SE3d KittiCalibration::rigid(const std::string& rotation,
                                   const std::string& translation) const {
   Eigen::Matrix4d M = Eigen::Matrix4d::Identity();

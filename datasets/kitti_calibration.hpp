@@ -21,10 +21,12 @@ class KittiCalibration {
   /// InputError(kCalibration) "file: expected NAME with N numbers" if missing or of other length.
   Eigen::Matrix<double, 3, 4> matrix34(const std::string& name) const;
   Eigen::Matrix3d matrix33(const std::string& name) const;
+  Eigen::Vector2d vector2(const std::string& name) const;
 
   /// R and T (as in calib_imu_to_velo.txt) or Tr (odometry) as a rigid motion.
   lie::SE3d rigid(const std::string& rotation, const std::string& translation) const;
   lie::SE3d rigid34(const std::string& name) const;
+  lie::SE3d rotation(const std::string& name) const;  ///< 3x3 alone, no translation
 
   std::string where(const std::string& name) const;
 

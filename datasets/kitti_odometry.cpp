@@ -4,6 +4,7 @@
 
 #include "datasets/imu_csv.hpp"
 #include "datasets/kitti_calibration.hpp"
+#include "datasets/kitti_raw.hpp"
 #include "datasets/stamp_file.hpp"
 #include "datasets/trajectory_file.hpp"
 #include "slam/base/error.hpp"
@@ -70,20 +71,37 @@ std::vector<FramePair> read_frames(const fs::path& folder, const Recording& reco
   return frames;
 }
 
+void set_imu(ImuData imu, const lie::SE3d& T_cam0_imu, Recording& recording) {
+  StereoCamera camera = recording.rectifier.camera();
+  camera.T_body_left = T_cam0_imu.inverse() * camera.T_body_left;
+  recording.rectifier = StereoRectifier(camera);
+  recording.T_body_truth = T_cam0_imu.inverse();
+  recording.imu = std::move(imu);
+}
+
+void read_raw_imu(const fs::path& folder, Recording& recording) {
+  const KittiCalibration calibration(folder / "calib.txt");
+  if (!calibration.has("Tr") || recording.frames.empty()) return;
+  auto raw = find_raw_imu(folder.parent_path().parent_path(), folder.filename().string(),
+                          recording.frames.front().time_ns, recording.frames.back().time_ns);
+  if (!raw) return;
+  set_imu(std::move(raw->imu), calibration.rigid34("Tr") * raw->T_velo_imu, recording);
+  recording.input_files.insert(recording.input_files.end(), raw->files.begin(), raw->files.end());
+}
+
 void read_imu(const fs::path& folder, Recording& recording) {
   const fs::path csv = folder / "imu.csv";
   const fs::path extrinsics = folder / "T_cam0_imu.txt";
-  if (!fs::exists(csv)) return;
+  if (!fs::exists(csv)) {
+    read_raw_imu(folder, recording);
+    return;
+  }
   ImuTable table = read_imu_csv(csv);
   if (table.samples.empty()) {
     throw InputError(csv.string() + ": no samples; remove the file to run without IMU");
   }
-  const lie::SE3d T_imu_cam0 = read_rigid_motion_file(extrinsics).inverse();
-  recording.imu = ImuData{kitti_imu_noise(), std::move(table.samples), table.cleaning.dropped()};
-  StereoCamera camera = recording.rectifier.camera();
-  camera.T_body_left = T_imu_cam0 * camera.T_body_left;
-  recording.rectifier = StereoRectifier(camera);
-  recording.T_body_truth = T_imu_cam0;
+  const ImuData imu{kitti_imu_noise(), std::move(table.samples), table.cleaning.dropped()};
+  set_imu(imu, read_rigid_motion_file(extrinsics), recording);
   recording.input_files.insert(recording.input_files.end(), {csv, extrinsics});
 }
 

@@ -6,6 +6,8 @@
 
 #include "datasets/euroc.hpp"
 #include "datasets/kitti_odometry.hpp"
+#include "datasets/kitti_raw.hpp"
+#include "datasets/plain.hpp"
 #include "datasets/recording.hpp"
 #include "slam/base/error.hpp"
 #include "slam/base/text.hpp"
@@ -61,7 +63,8 @@ const Format& format_of(const std::filesystem::path& folder) {
 std::unique_ptr<Sequence> open_sequence(const std::filesystem::path& folder,
                                         const std::string& format) {
   if (format != "auto") format_named(format);
-  if (!std::filesystem::is_directory(folder)) {
+  // KITTI raw drives may be named by their odometry number, which is no folder.
+  if (!std::filesystem::is_directory(folder) && !looks_like_kitti_raw(folder)) {
     throw InputError(folder.string() + (std::filesystem::exists(folder)
                                             ? ": is a file; give the folder of a sequence"
                                             : ": no such folder; check the path"));
