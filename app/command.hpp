@@ -3,6 +3,7 @@
 #include <CLI/App.hpp>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "slam/base/error.hpp"
 
@@ -16,7 +17,8 @@ struct CommonOptions {
   bool quiet = false;
   bool verbose = false;
   std::string log_file;
-  int threads = 0;  ///< 0: all cores
+  int threads = 0;                        ///< 0: all cores
+  std::vector<std::string> command_line;  ///< as typed, for the manifest
 };
 
 // One file per subcommand: registers its options and, when chosen, sets `action`.

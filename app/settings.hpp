@@ -18,6 +18,7 @@ class Settings {
   Settings& operator=(const Settings&) = delete;
 
   Config& config() { return config_; }
+  const Config& config() const { return config_; }
   const system::SlamOptions& slam() const { return slam_; }
   void validate() const { slam_.validate(); }
 

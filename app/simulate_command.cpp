@@ -27,7 +27,7 @@ struct SimulateArguments {
 };
 
 ExitCode simulate(const SimulateArguments& arguments, bool quiet) {
-  auto options = datasets::simulation::default_sequence_options();
+  auto options = simulation::default_sequence_options();
   Config config;
   options.describe(config);
   for (const std::string& file : arguments.files) config.load_file(file);
@@ -39,9 +39,9 @@ ExitCode simulate(const SimulateArguments& arguments, bool quiet) {
   if (arguments.out.empty())
     throw InputError("simulate: name the folder to write", ExitCode::kUsage);
   options.validate();
-  ProgressBar bar("simulate", 0, !quiet);
-  datasets::simulation::simulate(options, arguments.out, [&](std::size_t done, std::size_t) {
-    bar.update(done);
+  ProgressBar bar("simulate", !quiet);
+  simulation::simulate(options, arguments.out, [&](std::size_t done, std::size_t total) {
+    bar.update(done, total);
     return !interrupted();
   });
   std::printf("%s\n", arguments.out.c_str());

@@ -27,24 +27,26 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(std::string label, std::size_t total, bool enabled)
+ProgressBar::ProgressBar(std::string label, bool enabled)
     : label_(std::move(label)),
-      total_(total),
       enabled_(enabled && isatty(STDERR_FILENO) == 1),
       start_(Clock::now()),
       last_print_(start_ - kMinimumInterval) {}
 
-ProgressBar::~ProgressBar() {
+ProgressBar::~ProgressBar() { clear(); }
+
+void ProgressBar::clear() {
   if (printed_) std::fputs("\r\033[K", stderr);
+  printed_ = false;
 }
 
-void ProgressBar::update(std::size_t done, const std::string& note) {
+void ProgressBar::update(std::size_t done, std::size_t total, const std::string& note) {
   const auto now = Clock::now();
   if (!enabled_ || now - last_print_ < kMinimumInterval) return;
   last_print_ = now;
   printed_ = true;
   const double elapsed_s = std::chrono::duration<double>(now - start_).count();
-  const std::string text = line(label_, done, total_, elapsed_s, note, terminal_width() - 1);
+  const std::string text = line(label_, done, total, elapsed_s, note, terminal_width() - 1);
   std::fprintf(stderr, "\r\033[K%s", text.c_str());
   std::fflush(stderr);
 }

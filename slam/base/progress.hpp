@@ -9,13 +9,16 @@ namespace imslam {
 /// One line on a terminal: bar, count, rate, time left. Silent when stderr is not a terminal.
 class ProgressBar {
  public:
-  /// `total` = 0: unknown, only count and rate are shown.
-  ProgressBar(std::string label, std::size_t total, bool enabled = true);
+  explicit ProgressBar(std::string label, bool enabled = true);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  void update(std::size_t done, const std::string& note = "");
+  /// `total` = 0: unknown, only count and rate are shown.
+  void update(std::size_t done, std::size_t total, const std::string& note = "");
+
+  /// Takes the line away, so that other output can follow.
+  void clear();
 
   /// The line as it would be printed, without control characters. Pure, for tests.
   static std::string line(const std::string& label,
@@ -29,7 +32,6 @@ class ProgressBar {
   using Clock = std::chrono::steady_clock;
 
   std::string label_;
-  std::size_t total_;
   bool enabled_;
   bool printed_ = false;
   Clock::time_point start_;

@@ -1,0 +1,155 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "app/command.hpp"
+#include "app/interrupt.hpp"
+#include "app/settings.hpp"
+#include "app/version.hpp"
+#include "datasets/open_sequence.hpp"
+#include "slam/base/log.hpp"
+#include "slam/base/progress.hpp"
+#include "slam/base/text.hpp"
+#include "slam/system/run_folder.hpp"
+#include "slam/system/run_recorder.hpp"
+#include "slam/system/run_sequence.hpp"
+
+namespace imslam::app {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  imslam run                                    the built-in simulated sequence\n"
+    "  imslam run MH_01_easy --out runs/mh01         a EuRoC folder\n"
+    "  imslam run sequences/00 --frames 0:500        part of a KITTI sequence\n"
+    "  imslam run MH_01_easy --imu off               vision only\n"
+    "  imslam run MH_01_easy --config paper_euroc    the published method's graph\n"
+    "  imslam run MH_01_easy --set pgo.kernel_width=3 --json";
+
+struct RunArguments {
+  std::string dataset;
+  std::string format = "auto";
+  std::string front_end;
+  std::string imu;
+  std::string out;
+  std::string runs = "runs";
+  std::string frames;
+  int seed = -1;
+  bool json = false;
+  bool force = false;
+  ConfigLayers layers;
+};
+
+/// "A:B", "A:" or ":B"; B is not included.
+void parse_frames(const std::string& text, system::RunRequest& request) {
+  if (text.empty()) return;
+  const auto parts = split(text, ':');
+  const auto number = [&](std::string_view part) -> std::size_t {
+    if (trim(part).empty()) return 0;
+    const auto value = parse_int64(part);
+    if (!value || *value < 0) {
+      throw InputError(fmt::format("--frames: expected A:B with whole numbers, got '{}'", text),
+                       ExitCode::kUsage);
+    }
+    return static_cast<std::size_t>(*value);
+  };
+  if (parts.size() != 2) number("?");
+  request.first_frame = number(parts[0]);
+  request.last_frame = number(parts[1]);
+}
+
+void apply_flags(const RunArguments& arguments, Settings& settings) {
+  Config& config = settings.config();
+  if (!arguments.front_end.empty()) {
+    config.set("system.front_end=" + arguments.front_end, "--front-end");
+  }
+  if (!arguments.imu.empty()) config.set("system.imu=" + arguments.imu, "--imu");
+  if (arguments.seed >= 0) config.set(fmt::format("system.seed={}", arguments.seed), "--seed");
+  settings.validate();
+}
+
+system::RunProvenance provenance(const Settings& settings,
+                                 const datasets::Sequence& sequence,
+                                 const CommonOptions& common) {
+  system::RunProvenance result;
+  result.version = version_text();
+  result.git_hash = git_hash();
+  result.command_line = common.command_line;
+  result.seed = static_cast<std::uint64_t>(settings.slam().system.seed);
+  result.config_yaml = settings.config().to_yaml();
+  result.input_files = sequence.input_files();
+  return result;
+}
+
+ExitCode exit_code_of(const system::RunOutcome& outcome) {
+  if (outcome.stopped) return ExitCode::kInterrupted;
+  return outcome.result.tracking_lost ? ExitCode::kTrackingLost : ExitCode::kOk;
+}
+
+ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
+  Settings settings;
+  arguments.layers.apply(settings);
+  apply_flags(arguments, settings);
+  system::RunRequest request;
+  parse_frames(arguments.frames, request);
+
+  const fs::path dataset =
+      arguments.dataset.empty() ? fs::path("runs/default") : fs::path(arguments.dataset);
+  const auto sequence = datasets::open_sequence(dataset, arguments.format);
+  const fs::path folder =
+      system::make_run_folder(arguments.runs, sequence->name(), arguments.out, arguments.force);
+
+  ProgressBar bar(sequence->name(), !common.quiet);
+  request.keep_going = [&](std::size_t done, std::size_t total) {
+    bar.update(done, total);
+    return !interrupted();
+  };
+  const auto outcome = system::run_sequence(*sequence, settings.slam(), request);
+  bar.clear();
+  system::record_run(folder, outcome.result, outcome.summary,
+                     provenance(settings, *sequence, common), sequence->camera(),
+                     outcome.evaluation, settings.slam().system.map_voxel_m);
+  if (arguments.out.empty()) system::update_latest_link(folder);
+
+  const auto metrics = system::metrics_json(outcome.result, outcome.summary, outcome.evaluation);
+  for (const std::string& warning : outcome.result.warnings) log::warn("{}", warning);
+  if (arguments.json) {
+    std::printf("%s\n", metrics.dump(2).c_str());
+  } else {
+    std::fputs(system::metrics_table(metrics).c_str(), stdout);
+    std::printf("report: %s\n", (folder / "report.html").c_str());
+  }
+  return exit_code_of(outcome);
+}
+
+}  // namespace
+
+void add_run_command(CLI::App& app, Action& action, const CommonOptions& common) {
+  auto* command = app.add_subcommand("run", "Estimate the trajectory of a sequence and report");
+  command->footer(kExamples);
+  auto arguments = std::make_shared<RunArguments>();
+  command->add_option("dataset", arguments->dataset,
+                      "Folder of the sequence; none: the built-in simulated one");
+  command->add_option("--format", arguments->format, "auto or one of the known formats")
+      ->capture_default_str();
+  command->add_option("--front-end", arguments->front_end, "klt");
+  command->add_option("--imu", arguments->imu, "raw or off");
+  command->add_option("--out", arguments->out, "Run folder (default: runs/<time>_<dataset>)");
+  command->add_option("--runs", arguments->runs, "Where run folders go")->capture_default_str();
+  command->add_option("--frames", arguments->frames, "Only frames A to B-1")->type_name("A:B");
+  command->add_option("--seed", arguments->seed, "Seed of all randomness, 0 or more");
+  command->add_flag("--json", arguments->json, "Print metrics.json instead of the table");
+  command->add_flag("--force", arguments->force, "Replace an earlier run in --out");
+  arguments->layers.add_options(*command);
+  command->callback([&action, arguments, &common] {
+    action = [arguments, &common] { return run(*arguments, common); };
+  });
+}
+
+}  // namespace imslam::app

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pgo/graph_data.hpp"
+#include "slam/base/solve_report.hpp"
+#include "slam/system/measurements.hpp"
+#include "slam/system/slam_options.hpp"
+#include "slam/system/slam_result.hpp"
+
+namespace imslam::system {
+
+/// What the graph over a whole sequence says.
+struct BatchEstimate {
+  pgo::GraphData graph;  ///< one state per frame
+  SolveReport report;
+  bool inertial = false;
+  Estimate disparity_offset_px;
+  std::optional<Estimate> time_offset_s;
+  std::vector<float> position_sigma_m;  ///< per frame; empty if not asked for
+  std::size_t imu_gaps = 0;             ///< intervals with a gap or saturation
+  std::vector<bool> covered;            ///< per frame: measured, not extrapolated
+  std::vector<std::string> warnings;
+};
+
+/// Solves the pose-velocity graph of all measurements.
+///
+/// `disparity_offset` is what the front end knows of the rectification error. With an IMU the start
+/// comes from gyro alignment and visual-inertial initialisation, never from ground truth; where
+/// that fails the graph is visual only and a warning says why. The IMU is integrated anew at the
+/// biases found until they stand still.
+BatchEstimate estimate_batch(const Measurements& measurements,
+                             const Estimate& disparity_offset,
+                             const SlamOptions& options);
+
+}  // namespace imslam::system

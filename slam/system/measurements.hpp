@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "slam/sensors/imu.hpp"
+#include "slam/sensors/motion.hpp"
+#include "slam/sensors/trajectory.hpp"
+
+namespace imslam::system {
+
+/// What the front ends have measured: all that the graph needs. Grows by a few kB per frame.
+struct Measurements {
+  std::vector<std::int64_t> times_ns;    ///< of all frames, strictly increasing
+  std::vector<RelativeMotion> odometry;  ///< from one measured frame to the next, in order
+  std::vector<RelativeMotion> skips;     ///< over several frames, any order
+
+  std::vector<ImuSample> imu;  ///< strictly increasing stamps; empty: no IMU
+  ImuNoise imu_noise;
+
+  /// Index of the frame with this stamp; empty if there is none. Binary search.
+  std::optional<std::size_t> frame_at(std::int64_t time_ns) const;
+};
+
+/// Poses of all frames from visual odometry alone; the first is identity.
+///
+/// Frames inside a motion that spans several intervals lie on its screw motion; where nothing was
+/// measured the last motion goes on at its rate (`covered` is false there).
+struct OdometryChain {
+  Trajectory trajectory;
+  std::vector<bool> covered;  ///< per frame: reached by measurements from the frame before
+};
+OdometryChain chain_odometry(const Measurements& measurements);
+
+}  // namespace imslam::system

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "slam/system/run_evaluation.hpp"
+#include "slam/system/slam_result.hpp"
+
+namespace imslam::system {
+
+/// Facts about the run as a whole.
+struct RunSummary {
+  std::string dataset;
+  std::string format;
+  double wall_s = 0.0;  ///< from the first frame to the final trajectory
+};
+
+/// The content of metrics.json. Numbers that are not determined are null; nothing is ever NaN.
+nlohmann::json metrics_json(const SlamResult& result,
+                            const RunSummary& summary,
+                            const std::optional<RunEvaluation>& evaluation);
+
+/// The content of series.json: columns of equal length for the plots of the report.
+nlohmann::json series_json(const SlamResult& result,
+                           const std::optional<RunEvaluation>& evaluation);
+
+/// The table that `imslam run` prints: one column per trajectory.
+std::string metrics_table(const nlohmann::json& metrics);
+
+}  // namespace imslam::system

@@ -1,0 +1,92 @@
+#include "slam/system/run_recorder.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "datasets/trajectory_file.hpp"
+#include "pgo/g2o_file.hpp"
+#include "slam/base/file.hpp"
+#include "slam/base/log.hpp"
+#include "slam/base/parallel.hpp"
+#include "slam/report/report.hpp"
+#include "slam/system/library_versions.hpp"
+
+namespace imslam::system {
+namespace fs = std::filesystem;
+namespace {
+
+/// KITTI's convention: poses of the left camera, the first one identity.
+Trajectory left_camera(const Trajectory& body, const lie::SE3d& T_body_left) {
+  Trajectory left;
+  left.frame = "left";
+  if (body.size() == 0) return left;
+  const lie::SE3d T_left0_world = (body.poses.front() * T_body_left).inverse();
+  for (std::size_t i = 0; i < body.size(); ++i) {
+    left.add(body.times_ns[i], T_left0_world * body.poses[i] * T_body_left);
+  }
+  return left;
+}
+
+void write_trajectories(const fs::path& folder,
+                        const SlamResult& result,
+                        const StereoCamera& camera,
+                        const std::optional<RunEvaluation>& evaluation) {
+  using datasets::TrajectoryFormat;
+  using datasets::write_trajectory;
+  write_trajectory(folder / "trajectory.tum", result.graph, TrajectoryFormat::kTum);
+  write_trajectory(folder / "trajectory.csv", result.graph, TrajectoryFormat::kEuroc);
+  write_trajectory(folder / "trajectory.kitti", left_camera(result.graph, camera.T_body_left),
+                   TrajectoryFormat::kKitti);
+  write_trajectory(folder / "vo_only.tum", result.vo_only, TrajectoryFormat::kTum);
+  if (result.online.size() > 0) {
+    write_trajectory(folder / "online.tum", result.online, TrajectoryFormat::kTum);
+  }
+  if (evaluation && evaluation->truth.size() > 0) {
+    write_trajectory(folder / "truth.tum", evaluation->truth, TrajectoryFormat::kTum);
+  }
+}
+
+nlohmann::json manifest_json(const RunProvenance& provenance) {
+  nlohmann::json inputs = nlohmann::json::array();
+  for (const fs::path& file : provenance.input_files) {
+    inputs.push_back({{"file", file.string()}, {"sha256", sha256_of_file(file)}});
+  }
+  return {{"program", provenance.version},
+          {"git_hash", provenance.git_hash},
+          {"time", fmt::format("{:%Y-%m-%dT%H:%M:%S%z}", fmt::localtime(std::time(nullptr)))},
+          {"command_line", provenance.command_line},
+          {"seed", provenance.seed},
+          {"threads", thread_count()},
+          {"libraries", library_versions()},
+          {"config_sha256", sha256(provenance.config_yaml)},
+          {"models", nlohmann::json::array()},
+          {"inputs", inputs}};
+}
+
+void write_json(const fs::path& file, const nlohmann::json& json, int indent) {
+  write_file_atomic(file, json.dump(indent) + "\n");
+}
+
+}  // namespace
+
+void record_run(const fs::path& folder,
+                const SlamResult& result,
+                const RunSummary& summary,
+                const RunProvenance& provenance,
+                const StereoCamera& camera,
+                const std::optional<RunEvaluation>& evaluation,
+                double map_voxel_m) {
+  write_trajectories(folder, result, camera, evaluation);
+  pgo::write_g2o(result.graph_data, folder / "graph.g2o");
+  result.map.write_pcd(folder / "map.pcd", result.graph, map_voxel_m);
+  write_file_atomic(folder / "config.yaml", provenance.config_yaml);
+  write_json(folder / "metrics.json", metrics_json(result, summary, evaluation), 2);
+  write_json(folder / "series.json", series_json(result, evaluation), -1);
+  write_json(folder / "manifest.json", manifest_json(provenance), 2);
+  report::write_report(folder);
+}
+
+}  // namespace imslam::system

@@ -1,0 +1,104 @@
+#include "slam/system/run_sequence.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "datasets/frame_reader.hpp"
+#include "slam/base/error.hpp"
+#include "slam/base/log.hpp"
+#include "slam/system/slam_system.hpp"
+
+namespace imslam::system {
+namespace {
+
+/// Samples may be needed a little after a frame's stamp: the clocks are up to 0.1 s apart.
+constexpr std::int64_t kImuLookAhead_ns = 150'000'000;
+
+struct FrameRange {
+  std::size_t first = 0;
+  std::size_t last = 0;
+};
+
+FrameRange frame_range(const datasets::Sequence& sequence, const RunRequest& request) {
+  const std::size_t count = sequence.frame_count();
+  const std::size_t last = request.last_frame == 0 ? count : request.last_frame;
+  if (request.first_frame + 2 > last || last > count) {
+    throw InputError(
+        fmt::format("--frames {}:{}: the sequence has frames 0 to {}; at least two are "
+                    "needed",
+                    request.first_frame, last, count),
+        count < 2 ? ExitCode::kData : ExitCode::kUsage);
+  }
+  return {request.first_frame, last};
+}
+
+/// Hands over samples as time goes on.
+class ImuFeed {
+ public:
+  /// `samples` null: there is no IMU.
+  ImuFeed(const std::vector<ImuSample>* samples, std::int64_t start_ns) : samples_(samples) {
+    if (samples_ == nullptr) return;
+    const auto first = std::lower_bound(
+        samples_->begin(), samples_->end(), start_ns - kImuLookAhead_ns,
+        [](const ImuSample& sample, std::int64_t time_ns) { return sample.time_ns < time_ns; });
+    next_ = static_cast<std::size_t>(first - samples_->begin());
+  }
+
+  void advance(std::int64_t frame_time_ns, SlamSystem& slam) {
+    if (samples_ == nullptr) return;
+    for (;
+         next_ < samples_->size() && (*samples_)[next_].time_ns <= frame_time_ns + kImuLookAhead_ns;
+         ++next_) {
+      slam.add_imu((*samples_)[next_]);
+    }
+  }
+
+ private:
+  const std::vector<ImuSample>* samples_ = nullptr;
+  std::size_t next_ = 0;
+};
+
+bool uses_imu(const datasets::Sequence& sequence, const SlamOptions& options) {
+  if (options.system.imu == "off") return false;
+  if (!sequence.imu()) log::warn("{} has no IMU data: vision only", sequence.name());
+  return sequence.imu().has_value();
+}
+
+}  // namespace
+
+RunOutcome run_sequence(datasets::Sequence& sequence,
+                        const SlamOptions& options,
+                        const RunRequest& request) {
+  const FrameRange range = frame_range(sequence, request);
+  const bool inertial = uses_imu(sequence, options);
+  std::optional<ImuNoise> noise;
+  if (inertial) noise = sequence.imu()->noise;
+
+  const auto start = std::chrono::steady_clock::now();
+  SlamSystem slam(options, sequence.camera(), noise);
+  ImuFeed imu(inertial ? &sequence.imu()->samples : nullptr, sequence.frame_time_ns(range.first));
+  datasets::FrameReader reader(sequence, range.first, range.last);
+  RunOutcome outcome;
+  std::size_t done = 0;
+  while (const auto frame = reader.next()) {
+    imu.advance(frame->time_ns, slam);
+    slam.process(*frame);
+    ++done;
+    if (request.keep_going && !request.keep_going(done, range.last - range.first)) {
+      outcome.stopped = true;
+      break;
+    }
+  }
+  outcome.result = slam.finish();
+  if (inertial) outcome.result.counters.imu_dropped += sequence.imu()->dropped;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  outcome.summary = {sequence.name(), sequence.format(), elapsed.count()};
+  if (sequence.truth()) {
+    outcome.evaluation = evaluate_run(outcome.result, *sequence.truth(), sequence.T_body_truth());
+  }
+  return outcome;
+}
+
+}  // namespace imslam::system

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+
+#include "datasets/sequence.hpp"
+#include "slam/system/run_evaluation.hpp"
+#include "slam/system/run_metrics.hpp"
+#include "slam/system/slam_options.hpp"
+#include "slam/system/slam_result.hpp"
+
+namespace imslam::system {
+
+/// Which frames to run over, and who is told how far it is.
+struct RunRequest {
+  std::size_t first_frame = 0;
+  std::size_t last_frame = 0;  ///< not included; 0: all
+  /// Called after each frame; false stops in good order: what was seen so far is the result.
+  std::function<bool(std::size_t done, std::size_t total)> keep_going;
+};
+
+struct RunOutcome {
+  SlamResult result;
+  RunSummary summary;
+  std::optional<RunEvaluation> evaluation;  ///< where the sequence has truth
+  bool stopped = false;                     ///< by keep_going
+};
+
+/// Runs the SLAM system over a sequence and compares the result with its truth.
+/// Throws InputError(kUsage) if the frames do not exist, what reading the sequence throws, and
+/// InputError(kTrackingLost) if not a single motion was measured.
+RunOutcome run_sequence(datasets::Sequence& sequence,
+                        const SlamOptions& options,
+                        const RunRequest& request);
+
+}  // namespace imslam::system

@@ -1,0 +1,83 @@
+#include "slam/system/slam_options.hpp"
+
+#include <fmt/format.h>
+
+#include "slam/base/config.hpp"
+#include "slam/base/error.hpp"
+
+namespace imslam::system {
+namespace {
+
+void require(bool good, const char* key, double value, const char* bound) {
+  if (good) return;
+  throw InputError(fmt::format("system.{} must be {}, got {}", key, bound, value),
+                   ExitCode::kUsage);
+}
+
+}  // namespace
+
+void SystemOptions::describe(Config& config) {
+  config.field("front_end", front_end, {"klt"}, "which matcher sees");
+  config.field("imu", imu, {"raw", "off"}, "which inertial measurements take part");
+  config.field("preset", preset, {"default", "paper"}, "which graph");
+  config.field("paper_weights", paper_weights, {"euroc", "kitti"}, "constants of preset paper");
+  config.field("online", online, "a sliding window also estimates while frames come in");
+  config.field("estimate_disparity_offset", estimate_disparity_offset,
+               "estimate the constant error of the stereo rectification");
+  config.field("estimate_time_offset", estimate_time_offset, "estimate the camera-IMU time offset");
+  config.field("disparity_offset_prior_px", disparity_offset_prior_px,
+               "[px] standard deviation of the disparity offset before looking");
+  config.field("time_offset_prior_s", time_offset_prior_s,
+               "[s] standard deviation of the time offset before looking");
+  config.field("gyro_bias_prior", gyro_bias_prior, "[rad/s] standard deviation before looking");
+  config.field("accel_bias_prior", accel_bias_prior, "[m/s^2] standard deviation before looking");
+  config.field("relinearisations", relinearisations,
+               "how often at most the IMU is integrated anew at the biases found");
+  config.field("covariances", covariances, "compute the uncertainty of the final states");
+  config.field("zero_velocity", zero_velocity, "hold the body where it rests");
+  config.field("zero_velocity_sigma", zero_velocity_sigma, "[m/s] how still it rests");
+  config.field("map_points_per_frame", map_points_per_frame, "points kept for map.pcd");
+  config.field("map_max_depth_baselines", map_max_depth_baselines,
+               "[baselines] farther points are left out of the map");
+  config.field("map_voxel_m", map_voxel_m, "[m] one map point per cube of this side");
+  config.field("seed", seed, "recorded in the manifest");
+}
+
+void SystemOptions::validate() const {
+  const auto positive = [](const char* key, double value) {
+    require(value > 0.0, key, value, "positive");
+  };
+  positive("disparity_offset_prior_px", disparity_offset_prior_px);
+  positive("time_offset_prior_s", time_offset_prior_s);
+  positive("gyro_bias_prior", gyro_bias_prior);
+  positive("accel_bias_prior", accel_bias_prior);
+  positive("zero_velocity_sigma", zero_velocity_sigma);
+  positive("map_max_depth_baselines", map_max_depth_baselines);
+  positive("map_voxel_m", map_voxel_m);
+  require(map_points_per_frame >= 0, "map_points_per_frame", map_points_per_frame, "0 or more");
+  require(relinearisations >= 0 && relinearisations <= 20, "relinearisations", relinearisations,
+          "between 0 and 20");
+  require(seed >= 0, "seed", seed, "0 or more");
+}
+
+void SlamOptions::describe(Config& config) {
+  config.section("system", system);
+  config.section("vo", vo);
+  config.section("imu", preintegration);
+  config.section("gyro_alignment", gyro_alignment);
+  config.section("still", still);
+  config.section("pgo", pgo);
+  config.section("solver", solver);
+}
+
+void SlamOptions::validate() const {
+  system.validate();
+  vo.validate();
+  preintegration.validate();
+  gyro_alignment.validate();
+  still.validate();
+  pgo.validate();
+  solver.validate();
+}
+
+}  // namespace imslam::system

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <string>
+
+#include "imu_net/gyro_alignment.hpp"
+#include "imu_net/preintegration.hpp"
+#include "imu_net/static_detector.hpp"
+#include "pgo/options.hpp"
+#include "vo_net/visual_odometry.hpp"
+
+namespace imslam {
+class Config;
+}
+
+namespace imslam::system {
+
+/// How the rooms play together.
+struct SystemOptions {
+  std::string front_end = "klt";        ///< which matcher sees: klt
+  std::string imu = "raw";              ///< which inertial measurements take part: raw, off
+  std::string preset = "default";       ///< which graph: default, paper (the published method's)
+  std::string paper_weights = "euroc";  ///< constants of the paper preset: euroc, kitti
+  bool online = true;                   ///< a sliding window also estimates while frames come in
+
+  bool estimate_disparity_offset = true;   ///< of the stereo rectification
+  bool estimate_time_offset = true;        ///< camera to IMU
+  double disparity_offset_prior_px = 2.0;  ///< standard deviation before looking
+  double time_offset_prior_s = 0.02;       ///< likewise
+  double gyro_bias_prior = 0.1;            ///< [rad/s] likewise
+  double accel_bias_prior = 0.2;           ///< [m/s^2] likewise
+  int relinearisations = 4;  ///< the IMU is integrated anew at the biases found, at most so often
+  bool covariances = true;   ///< of the final states, for the report
+
+  bool zero_velocity = true;            ///< hold the body where IMU and vision say that it rests
+  double zero_velocity_sigma = 0.01;    ///< [m/s]
+  int map_points_per_frame = 15;        ///< kept for map.pcd
+  double map_max_depth_baselines = 40;  ///< farther points are too uncertain for the map
+  double map_voxel_m = 0.1;             ///< [m]
+  int seed = 0;  ///< recorded; nothing in the classical pipeline draws at random
+
+  void describe(Config& config);
+  void validate() const;  ///< throws InputError(kUsage)
+};
+
+/// All options of a run: one section per room.
+struct SlamOptions {
+  SystemOptions system;
+  vo::VoOptions vo;
+  imu::PreintegrationOptions preintegration;
+  imu::GyroAlignmentOptions gyro_alignment;
+  imu::StaticDetectorOptions still;
+  pgo::GraphOptions pgo;
+  pgo::SolverOptions solver;
+
+  void describe(Config& config);
+  void validate() const;
+};
+
+}  // namespace imslam::system

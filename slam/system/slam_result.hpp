@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pgo/graph_data.hpp"
+#include "slam/base/solve_report.hpp"
+#include "slam/sensors/trajectory.hpp"
+#include "slam/system/map_builder.hpp"
+#include "slam/system/stage_timer.hpp"
+
+namespace imslam::system {
+
+/// A number that was estimated, and how sure it is.
+struct Estimate {
+  double value = 0.0;
+  std::optional<double> sigma;
+};
+
+/// What happened on the way; all of it goes into metrics.json.
+struct Counters {
+  std::size_t frames = 0;
+  std::size_t frames_missing = 0;   ///< without a usable pair of images
+  std::size_t frames_degraded = 0;  ///< pose bridged without enough measurements
+  std::size_t vo_failures = 0;      ///< usable images, but no motion found
+  std::size_t skip_edges = 0;
+  std::size_t imu_samples = 0;
+  std::size_t imu_dropped = 0;  ///< not finite, repeated or out of order
+  std::size_t imu_gaps = 0;     ///< intervals with a gap or saturation
+};
+
+/// One value per frame, for plots.
+struct FrameSeries {
+  std::vector<std::uint16_t> inliers;
+  std::vector<std::uint8_t> degraded;
+  std::vector<float> position_sigma_m;  ///< empty if not asked for
+  std::vector<float> frame_ms;
+  std::vector<float> memory_mb;
+};
+
+/// Everything a run knows at its end.
+struct SlamResult {
+  Trajectory graph;    ///< T_world_body, world z up where there is an IMU
+  Trajectory vo_only;  ///< the odometry alone, laid onto the first pose of `graph`
+  Trajectory online;   ///< what the sliding window knew at each frame; empty if it was off
+  pgo::GraphData graph_data;
+  SolveReport solve;
+  bool inertial = false;       ///< the IMU took part in the graph
+  bool tracking_lost = false;  ///< most of the frames were not measured
+
+  Estimate disparity_offset_px;
+  std::optional<Estimate> time_offset_s;
+  double gravity_m_s2 = 0.0;
+
+  Counters counters;
+  FrameSeries series;
+  StageTimer timing;
+  MapBuilder map;
+  std::vector<std::string> warnings;
+};
+
+}  // namespace imslam::system

@@ -1,0 +1,165 @@
+#include "slam/system/slam_system.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "imu_net/preintegration.hpp"
+#include "slam/base/error.hpp"
+#include "slam/system/batch_estimator.hpp"
+#include "slam/system/map_sampler.hpp"
+#include "slam/system/measurements.hpp"
+#include "slam/system/resources.hpp"
+#include "vo_net/visual_odometry.hpp"
+
+namespace imslam::system {
+
+class SlamSystem::State {
+ public:
+  State(const SlamOptions& options,
+        const StereoCamera& camera,
+        const std::optional<ImuNoise>& imu_noise)
+      : options_(options),
+        odometry_(options.vo, camera),
+        map_sampler_(camera, options.system),
+        inertial_(imu_noise.has_value()) {
+    if (imu_noise) measurements_.imu_noise = *imu_noise;
+  }
+
+  void add_imu(const ImuSample& sample) {
+    ++result_.counters.imu_samples;
+    auto& samples = measurements_.imu;
+    if (!samples.empty() && sample.time_ns <= samples.back().time_ns) {
+      ++result_.counters.imu_dropped;
+      return;
+    }
+    samples.push_back(sample);
+  }
+
+  FrameReport process(const StereoFrame& frame) {
+    auto& times_ns = measurements_.times_ns;
+    expects(times_ns.empty() || frame.time_ns > times_ns.back(),
+            "SlamSystem::process: stamps of frames must increase");
+    FrameReport report;
+    {
+      const StageScope scope(result_.timing, "frame");
+      times_ns.push_back(frame.time_ns);
+      report = see(frame);
+    }
+    result_.series.frame_ms.push_back(result_.timing.values_ms("frame").back());
+    result_.series.memory_mb.push_back(static_cast<float>(present_memory_mb()));
+    return report;
+  }
+
+  SlamResult finish();
+
+ private:
+  FrameReport see(const StereoFrame& frame) {
+    vo::VoOutput seen;
+    {
+      const StageScope scope(result_.timing, "front end");
+      seen = odometry_.process(frame, predict(frame.time_ns));
+    }
+    count(frame, seen);
+    const bool vision = seen.motion.valid;
+    if (vision) measurements_.odometry.push_back(seen.motion);
+    for (const RelativeMotion& skip : seen.skip_motions) {
+      if (skip.valid) measurements_.skips.push_back(skip);
+    }
+    if (frame.complete()) last_complete_ns_ = frame.time_ns;
+    const auto index = static_cast<std::uint32_t>(measurements_.times_ns.size() - 1);
+    map_sampler_.add(frame, index, seen, result_.map);
+    return {seen.motion.inliers, vision};
+  }
+
+  void count(const StereoFrame& frame, const vo::VoOutput& seen) {
+    Counters& counters = result_.counters;
+    ++counters.frames;
+    const bool first = !last_complete_ns_.has_value();
+    if (!frame.complete()) ++counters.frames_missing;
+    if (frame.complete() && !first && !seen.motion.valid) ++counters.vo_failures;
+    counters.skip_edges += seen.skip_motions.size();
+    result_.series.inliers.push_back(static_cast<std::uint16_t>(
+        std::clamp(seen.motion.valid ? seen.motion.inliers : 0, 0, 65535)));
+  }
+
+  /// The gyro knows how far the body has turned since the last frame that was seen.
+  std::optional<vo::MotionPrior> predict(std::int64_t time_ns) const {
+    if (!inertial_ || !last_complete_ns_) return std::nullopt;
+    const ImuMotion motion =
+        imu::preintegrate(measurements_.imu, *last_complete_ns_, time_ns, ImuBias(),
+                          measurements_.imu_noise, 0.0, options_.preintegration);
+    if (!motion.valid) return std::nullopt;
+    return vo::MotionPrior{motion.dR, std::nullopt};
+  }
+
+  SlamOptions options_;
+  vo::VisualOdometry odometry_;
+  MapSampler map_sampler_;
+  Measurements measurements_;
+  bool inertial_;
+  std::optional<std::int64_t> last_complete_ns_;
+  SlamResult result_;
+};
+
+namespace {
+
+/// Lays the odometry's chain onto the first pose of the graph.
+Trajectory onto_first_pose(const Trajectory& chain, const lie::SE3d& T_world_body0) {
+  Trajectory result;
+  for (std::size_t i = 0; i < chain.size(); ++i) {
+    result.add(chain.times_ns[i], T_world_body0 * chain.poses[i]);
+  }
+  return result;
+}
+
+}  // namespace
+
+SlamResult SlamSystem::State::finish() {
+  if (measurements_.odometry.empty() && !inertial_) {
+    throw InputError(
+        "not a single motion could be measured in the images; look at them with `imslam check`",
+        ExitCode::kTrackingLost);
+  }
+  BatchEstimate batch;
+  {
+    const StageScope scope(result_.timing, "batch graph");
+    batch = estimate_batch(measurements_, Estimate{odometry_.disparity_offset(), {}}, options_);
+  }
+  for (const pgo::State& state : batch.graph.states) {
+    result_.graph.add(state.time_ns, state.nav.T_world_body);
+  }
+  result_.vo_only =
+      onto_first_pose(chain_odometry(measurements_).trajectory, result_.graph.poses.front());
+  for (const bool covered : batch.covered) {
+    result_.series.degraded.push_back(covered ? 0 : 1);
+    if (!covered) ++result_.counters.frames_degraded;
+  }
+  result_.tracking_lost = 2 * result_.counters.frames_degraded > result_.counters.frames;
+  result_.series.position_sigma_m = std::move(batch.position_sigma_m);
+  result_.counters.imu_gaps = batch.imu_gaps;
+  result_.graph_data = std::move(batch.graph);
+  result_.solve = batch.report;
+  result_.inertial = batch.inertial;
+  result_.disparity_offset_px = batch.disparity_offset_px;
+  result_.time_offset_s = batch.time_offset_s;
+  result_.gravity_m_s2 = options_.pgo.gravity_magnitude;
+  result_.warnings = std::move(batch.warnings);
+  return std::move(result_);
+}
+
+SlamSystem::SlamSystem(const SlamOptions& options,
+                       const StereoCamera& camera,
+                       const std::optional<ImuNoise>& imu_noise)
+    : state_(std::make_unique<State>(options, camera, imu_noise)) {}
+
+SlamSystem::~SlamSystem() = default;
+
+void SlamSystem::add_imu(const ImuSample& sample) { state_->add_imu(sample); }
+
+SlamSystem::FrameReport SlamSystem::process(const StereoFrame& frame) {
+  return state_->process(frame);
+}
+
+SlamResult SlamSystem::finish() { return state_->finish(); }
+
+}  // namespace imslam::system

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "slam/sensors/calibration.hpp"
+#include "slam/sensors/imu.hpp"
+#include "slam/sensors/stereo.hpp"
+#include "slam/system/slam_options.hpp"
+#include "slam/system/slam_result.hpp"
+
+namespace imslam::system {
+
+/// The SLAM loop: frames and inertial samples in, states out. Knows no files.
+///
+///   per frame   front end -> relative motions;  IMU -> preintegrated motion;  sliding window
+///   at the end  all motions -> one graph, solved to convergence
+///
+/// Samples up to a frame's stamp (and a little more, for the time offset) are added before it.
+class SlamSystem {
+ public:
+  /// `imu_noise` empty: there is no IMU, the graph is visual only.
+  SlamSystem(const SlamOptions& options,
+             const StereoCamera& camera,
+             const std::optional<ImuNoise>& imu_noise);
+  ~SlamSystem();
+  SlamSystem(const SlamSystem&) = delete;
+  SlamSystem& operator=(const SlamSystem&) = delete;
+
+  /// Samples come in order of time; one that does not is counted and left out.
+  void add_imu(const ImuSample& sample);
+
+  /// What is known about a frame as soon as it was seen.
+  struct FrameReport {
+    int inliers = 0;
+    bool vision = false;  ///< its motion was measured
+  };
+  FrameReport process(const StereoFrame& frame);
+
+  /// Solves the graph over everything seen so far. Call it once, at the end.
+  SlamResult finish();
+
+ private:
+  class State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace imslam::system

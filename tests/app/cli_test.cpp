@@ -1,0 +1,99 @@
+#include <gtest/gtest.h>
+
+#include "tests/support/command.hpp"
+
+namespace imslam {
+namespace {
+
+using testing::run_imslam;
+using testing::TempDir;
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(CommandLine, HelpShowsExamplesAndExitCodes) {
+  const TempDir dir;
+  const auto result = run_imslam(dir, "--help");
+  EXPECT_EQ(result.exit_code, 0);
+  for (const char* part :
+       {"run", "eval", "check", "simulate", "report", "config", "Examples", "Exit codes", "130"}) {
+    EXPECT_TRUE(contains(result.out, part)) << part;
+  }
+}
+
+TEST(CommandLine, EverySubcommandHasHelp) {
+  const TempDir dir;
+  for (const char* name : {"run", "eval", "check", "simulate", "report", "config"}) {
+    const auto result = run_imslam(dir, std::string(name) + " --help");
+    EXPECT_EQ(result.exit_code, 0) << name;
+    EXPECT_GT(result.out.size(), 200U) << name;
+  }
+}
+
+TEST(CommandLine, VersionNamesTheGitHash) {
+  const TempDir dir;
+  const auto result = run_imslam(dir, "--version");
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_TRUE(contains(result.out, "git "));
+}
+
+TEST(CommandLine, UnknownOptionsAreUsageErrors) {
+  const TempDir dir;
+  EXPECT_EQ(run_imslam(dir, "").exit_code, 2);
+  EXPECT_EQ(run_imslam(dir, "fly").exit_code, 2);
+  EXPECT_EQ(run_imslam(dir, "run --no-such-option").exit_code, 2);
+}
+
+TEST(CommandLine, AnUnknownKeyNamesTheNearest) {
+  const TempDir dir;
+  const auto result = run_imslam(dir, "config dump --set pgo.hubr=2");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "did you mean")) << result.err;
+}
+
+TEST(CommandLine, AConfigFileErrorNamesTheLine) {
+  const TempDir dir;
+  const auto file = dir.write("bad.yaml", "pgo:\n  no_such_key: 1\n");
+  const auto result = run_imslam(dir, "config validate --config " + testing::quoted(file.string()));
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_TRUE(contains(result.err, "bad.yaml:2")) << result.err;
+}
+
+TEST(CommandLine, TheDumpedConfigurationLoadsBack) {
+  const TempDir dir;
+  const auto dumped = run_imslam(dir, "config dump");
+  ASSERT_EQ(dumped.exit_code, 0);
+  const auto file = dir.write("all.yaml", dumped.out);
+  const auto again = run_imslam(dir, "config diff --config " + testing::quoted(file.string()));
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(again.out, "");
+}
+
+TEST(CommandLine, EveryShippedConfigurationLoads) {
+  const TempDir dir;
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator("configs")) {
+    if (entry.path().extension() != ".yaml") continue;
+    ++files;
+    const auto result =
+        run_imslam(dir, "config validate --config " + testing::quoted(entry.path().string()));
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+  }
+  EXPECT_GE(files, 4);
+}
+
+TEST(CommandLine, TheEnvironmentLiesBetweenFileAndSet) {
+  const TempDir dir;
+  const auto file = dir.write("some.yaml", "system:\n  map_voxel_m: 0.5\n");
+  const std::string with_file = "config dump --config " + testing::quoted(file.string());
+  const std::string environment = "IMSLAM_SYSTEM_MAP_VOXEL_M=0.7";
+  EXPECT_TRUE(contains(run_imslam(dir, with_file).out, "map_voxel_m: 0.5"));
+  EXPECT_TRUE(contains(run_imslam(dir, with_file, environment).out, "map_voxel_m: 0.7"));
+  EXPECT_TRUE(
+      contains(run_imslam(dir, with_file + " --set system.map_voxel_m=0.9", environment).out,
+               "map_voxel_m: 0.9"));
+}
+
+}  // namespace
+}  // namespace imslam
