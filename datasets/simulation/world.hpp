@@ -1,0 +1,88 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "datasets/simulation/ray_tracer.hpp"
+#include "datasets/simulation/scene.hpp"
+
+namespace imslam::simulation {
+
+/// A triangle as a plane with what varies linearly over it, in the mesh's frame:
+///   u = u0 + grad_u . (p - origin), v and light alike.
+struct Facet {
+  Eigen::Vector3f origin;
+  Eigen::Vector3f normal;
+  Eigen::Vector3f grad_u;
+  Eigen::Vector3f grad_v;
+  Eigen::Vector3f grad_light;
+  float u0 = 0.0F;
+  float v0 = 0.0F;
+  float light0 = 0.0F;
+  std::uint32_t texture = 0;
+  std::uint32_t surface = 0;
+};
+
+/// What a camera sees along one ray.
+struct Seen {
+  float radiance = 0.0F;
+  float distance = std::numeric_limits<float>::infinity();  ///< [m] along the unit ray; sky: inf
+  std::uint32_t surface = 0;    ///< differs between smooth pieces and between instances
+  std::uint32_t instance = 0;   ///< as in Hit; 0 for the sky, which does not move either
+};
+
+/// A ray and how it changes from one pixel to the next.
+struct Ray {
+  Eigen::Vector3f origin;      ///< [m] world
+  Eigen::Vector3f direction;   ///< unit, world
+  Eigen::Vector3f d_column;    ///< change of direction per pixel to the right
+  Eigen::Vector3f d_row;       ///< change of direction per pixel downwards
+};
+
+/// A scene at an instant: traces and shades rays.
+class World {
+ public:
+  World(Scene scene, const Random& random);
+
+  /// Moves the moving things to where they are at `time_s`.
+  void set_time(double time_s);
+
+  void closest(const Eigen::Vector3f& origin, const RayPacket& rays, bool coherent, Hit* hits) const {
+    tracer_.closest(origin, rays, coherent, hits);
+  }
+  bool occluded(const Eigen::Vector3f& origin, const Eigen::Vector3f& to, float share) const {
+    return tracer_.occluded(origin, to - origin, share);
+  }
+
+  /// `footprint`: size of the sampled area in pixels, 1 for a whole pixel.
+  Seen look(const Ray& ray, const Hit& hit, float footprint) const;
+
+  /// Motion that carries a point of an instance from where it is at t0 to where it is at t1.
+  lie::SE3d instance_motion(std::uint32_t instance, double t0, double t1) const;
+  bool moves(std::uint32_t instance) const {
+    return instance > 0 && static_cast<bool>(scene_.instances[instance - 1].motion);
+  }
+  bool anything_moves() const { return anything_moves_; }
+
+  const Scene& scene() const { return scene_; }
+
+ private:
+  struct Placement {
+    Eigen::Matrix3f R_world_object;
+    Eigen::Vector3f position;
+    float scale = 1.0F;
+    std::size_t mesh = 0;  ///< index in facets_
+  };
+
+  void place(std::size_t instance, const lie::SE3d& T_world_object);
+  Seen look_at_sky(const Ray& ray) const;
+  float lit(const Facet& facet, const Placement& placement, const Eigen::Vector3f& p) const;
+
+  Scene scene_;
+  RayTracer tracer_;
+  std::vector<std::vector<Facet>> facets_;   ///< fixed mesh first, then the prototypes
+  std::vector<Placement> placements_;        ///< fixed mesh first, then the instances
+  bool anything_moves_ = false;
+};
+
+}  // namespace imslam::simulation
