@@ -23,13 +23,13 @@ constexpr std::size_t kMaxVertices = 3000;
 
 constexpr std::string_view kStyle = R"(<style>
 svg{background:#fff;font:12px system-ui,sans-serif}
-.grid{stroke:#e4e7ec}.frame{fill:none;stroke:#c9ced6}text{fill:#596273}
+.gridline{stroke:#e4e7ec}.frame{fill:none;stroke:#c9ced6}text{fill:#596273}
 .line{fill:none;stroke-linejoin:round;stroke-linecap:round}
-.truth{stroke:#8791a3;stroke-dasharray:6 4;stroke-width:1.6}
+.truth{stroke:#c3cad6;stroke-width:7}
 .vo{stroke:#e8833a;stroke-width:1.5}.graph{stroke:#2f6bff;stroke-width:2}
 .start{fill:#1aa06d}.end{fill:#d6455d}
-@media(prefers-color-scheme:dark){svg{background:#12161d}.grid{stroke:#252b36}.frame{stroke:#3a4250}
-text{fill:#98a2b3}.truth{stroke:#aab4c5}.vo{stroke:#f59e56}.graph{stroke:#6d9bff}}
+@media(prefers-color-scheme:dark){svg{background:#12161d}.gridline{stroke:#252b36}.frame{stroke:#3a4250}
+text{fill:#98a2b3}.truth{stroke:#4a5568}.vo{stroke:#f59e56}.graph{stroke:#6d9bff}}
 </style>
 )";
 
@@ -94,7 +94,7 @@ std::string grid(const Scale& scale, View view) {
   for (double i = std::ceil((kLeft - scale.x0) / scale.scale / step); scale.x(i * step) <= right;
        ++i) {
     const double x = scale.x(i * step);
-    out += fmt::format(R"(<line class="grid" x1="{0:.1f}" y1="{1}" x2="{0:.1f}" y2="{2}"/>)", x,
+    out += fmt::format(R"(<line class="gridline" x1="{0:.1f}" y1="{1}" x2="{0:.1f}" y2="{2}"/>)", x,
                        kTop, bottom);
     out += fmt::format(R"(<text x="{:.1f}" y="{}" text-anchor="middle">{}</text>)", x, bottom + 16,
                        label(i * step, step));
@@ -103,7 +103,7 @@ std::string grid(const Scale& scale, View view) {
   for (double i = std::ceil((scale.y0 - bottom) / scale.scale / step); scale.y(i * step) >= kTop;
        ++i) {
     const double y = scale.y(i * step);
-    out += fmt::format(R"(<line class="grid" x1="{1}" y1="{0:.1f}" x2="{2}" y2="{0:.1f}"/>)", y,
+    out += fmt::format(R"(<line class="gridline" x1="{1}" y1="{0:.1f}" x2="{2}" y2="{0:.1f}"/>)", y,
                        kLeft, right);
     out += fmt::format(R"(<text x="{}" y="{:.1f}" text-anchor="end">{}</text>)", kLeft - 6, y + 4,
                        label(i * step, step));

@@ -23,7 +23,7 @@ function showBoxes() {
   const step = power * [1, 2, 5, 10].find((factor) => highest / (factor * power) <= 6);
   const out = s("svg", {viewBox: `0 0 ${W} ${H}`, role: "img", "aria-label": "Relative pose error per path length"});
   for (let i = 0; i * step <= highest; ++i) {
-    out.append(s("line", {class: "grid", x1: left, x2: W, y1: y(i * step), y2: y(i * step)}),
+    out.append(s("line", {class: "gridline", x1: left, x2: W, y1: y(i * step), y2: y(i * step)}),
       s("text", {x: left - 6, y: y(i * step) + 4, "text-anchor": "end"}, axisText(i * step * (small ? 1000 : 1), [0, step * (small ? 1000 : 1)])));
   }
   const pitch = (W - left) / rows.length;

@@ -24,7 +24,7 @@ class OrbitCamera {
   }
 
   reset(center, radius) {
-    Object.assign(this, {center, radius, target: center.slice(), distance: radius * 2.5, yaw: -1.05, pitch: 0.6});
+    Object.assign(this, {center, radius, target: center.slice(), distance: radius * 2.3, yaw: -1.05, pitch: 0.6});
   }
   look(yaw, pitch) { Object.assign(this, {yaw, pitch}); this.changed(); }
   zoom(factor) {

@@ -47,7 +47,7 @@ function showCards() {
   if (isNumber(metrics.frames_per_second)) {
     const real = isNumber(metrics.duration_s) && isNumber(metrics.frames) && metrics.duration_s > 0
       ? metrics.frames_per_second * metrics.duration_s / metrics.frames : null;
-    cards.push(card("Speed", metrics.frames_per_second, "frames/s", real ? digits(real, 2) + "× real time" : "end to end"));
+    cards.push(card("Frame rate", metrics.frames_per_second, "frames/s", real ? digits(real, 2) + "× real time" : "end to end"));
   }
   if (isNumber(metrics.peak_memory_mb)) cards.push(card("Peak memory", metrics.peak_memory_mb, "MB", "resident"));
   byId("cards").append(...cards.filter(Boolean));

@@ -8,7 +8,7 @@ function errorPlots() {
   const millimetres = small("graph_error_m") && (!column("vo_error_m") || small("vo_error_m"));
   const factor = millimetres ? 1000 : 1;
   timePlot(parent, {
-    title: "Position error", unit: millimetres ? "mm" : "m", time: series.time_s, fromZero: true, lines: [
+    title: column("graph_error_m") || column("vo_error_m") ? "Position error" : "Position uncertainty", unit: millimetres ? "mm" : "m", time: series.time_s, fromZero: true, lines: [
       {label: "1σ", values: scaled("position_sigma_m", factor), color: "truth", width: 1.2, dash: [4, 4]},
       {label: "VO", values: scaled("vo_error_m", factor), color: "vo"},
       {label: "Graph", values: scaled("graph_error_m", factor), color: "graph", width: 2}]});
@@ -43,8 +43,8 @@ function axisPlots() {
     angles[name][2] = angles[name][2].map((yaw) => yaw - turns);
   }
   const lines = (values) => Object.entries(trajectories).map(([name, trajectory]) => ({
-    label: {truth: "Truth", vo: "VO", graph: "Graph"}[name], color: name, width: name === "graph" ? 2 : 1.5,
-    dash: name === "truth" ? [5, 4] : undefined, values: onMainStamps(trajectory, values(name, trajectory))}));
+    label: {truth: "Truth", vo: "VO", graph: "Graph"}[name], color: name === "truth" ? "band" : name,
+    width: {truth: 6, vo: 1.5, graph: 1.8}[name], values: onMainStamps(trajectory, values(name, trajectory))}));
   ["x", "y", "z"].forEach((title, k) => timePlot(parent, {title, unit: "m", time, height: 180,
     lines: lines((name, trajectory) => Array.from({length: trajectory.count}, (_, i) => trajectory.position[3 * i + k] + data.origin[k]))}));
   ["Roll", "Pitch", "Yaw"].forEach((title, k) => timePlot(parent, {title, note: "since the start, about world axes", unit: "deg", time, height: 180,

@@ -8,7 +8,7 @@ function fill(element, attributes, children) {
     else if (name === "css") Object.assign(element.style, value);
     else element.setAttribute(name, value === true ? "" : value);
   }
-  for (const child of children.flat()) {
+  for (const child of children.flat(Infinity)) {
     if (child !== null && child !== undefined) element.append(child);
   }
   return element;

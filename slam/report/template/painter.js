@@ -19,11 +19,11 @@ void main() {
   across = corner.y * (width + 1.0);
 }`;
 const LINE_FRAGMENT = `#version 300 es
-precision mediump float;
+precision highp float;
 in vec3 color; in float faded; in float across;
 uniform float width; uniform float alpha; out vec4 result;
 void main() {
-  float edge = clamp((width + 1.0 - abs(across)) * 0.5 + 0.0, 0.0, 1.0);
+  float edge = clamp((width + 1.0 - abs(across)) * 0.5, 0.0, 1.0);
   result = vec4(color, alpha * edge * mix(1.0, 0.22, faded));
 }`;
 const POINT_VERTEX = `#version 300 es
@@ -37,7 +37,7 @@ void main() {
   haze = clamp((gl_Position.w - fog.x) / fog.y, 0.0, 0.72);
 }`;
 const POINT_FRAGMENT = `#version 300 es
-precision mediump float;
+precision highp float;
 in vec3 color; in float haze; uniform vec3 sky; uniform float alpha; out vec4 result;
 void main() {
   if (length(gl_PointCoord - 0.5) > 0.5) discard;

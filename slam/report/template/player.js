@@ -84,8 +84,9 @@ function player() {
   const button = h("button", {type: "button", class: "play", "aria-label": "Play or pause", onclick: () => clock.play(!clock.playing)},
     s("svg", {viewBox: "0 0 14 14"}, shape));
   const slider = h("input", {type: "range", min: 0, max: 2000, value: 2000, "aria-label": "Time", oninput: (event) => {
-    clock.play(false);
-    clock.set(clock.start + (clock.end - clock.start) * event.target.value / 2000);
+    const chosen = clock.start + (clock.end - clock.start) * event.target.value / 2000;
+    clock.play(false);  // moves the slider to the present time
+    clock.set(chosen);
   }});
   const time = h("span", {class: "time"});
   const show = () => {

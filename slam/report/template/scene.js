@@ -77,7 +77,7 @@ class Scene {
 
   lineColors(name, line) {
     const colors = new Uint8Array(3 * line.count);
-    const plain = rgb(cssColor(name));
+    const plain = rgb(cssColor(name === "truth" ? "band" : name));
     const column = this.graphColor === "rotation" ? "graph_error_deg" : "graph_error_m";
     const byError = name === "graph" && this.graphColor !== "plain" && hasSeries(column);
     if (byError) {
@@ -124,7 +124,7 @@ class Scene {
       points.push(cx - half * step, cy + i * step, z, cx + half * step, cy + i * step, z);
     }
     this.gridStep = step;
-    this.grid = this.segments(points, () => rgb(cssColor("strong-line")), this.grid);
+    this.grid = this.segments(points, () => rgb(cssColor("faint")), this.grid);
   }
 
   segments(points, color, old = {}) {
@@ -181,18 +181,18 @@ class Scene {
     const common = {view, size: [width, height], now: 1e30, nearest: 0.002 * Math.max(camera.distance, camera.radius)};
     const sight = {view, sky: this.sky, fog: [camera.distance * 0.9, camera.radius * 5]};
     gl.disable(gl.DEPTH_TEST);
-    painter.drawLine(this.grid, {...common, width: ratio * 0.6, alpha: 0.75, step: 2});
+    painter.drawLine(this.grid, {...common, width: ratio * 0.5, alpha: 0.32, step: 2});
     gl.enable(gl.DEPTH_TEST);
     if (this.cloud && this.visible.map) {
       const diameter = this.mapSize * 0.0065 * this.radius * height / Math.tan(FIELD / 2) / 2;
       painter.drawPoints(this.cloud, {...sight, diameter, limits: [1.4 * ratio, 9 * ratio]});
     }
     gl.disable(gl.DEPTH_TEST);  // trajectories stay visible through walls
-    for (const [name, wide] of [["truth", 1.7], ["vo", 1.9], ["graph", 2.8]]) {
+    for (const [name, wide] of [["truth", 7], ["vo", 1.9], ["graph", 2.6]]) {
       const line = this.lines[name];
       if (!line || !this.visible[name]) continue;
       const now = clock.now;
-      painter.drawLine({...line, colors: line.halo}, {...common, now, width: ratio * (wide + 2.4), alpha: 0.55});
+      if (name !== "truth") painter.drawLine({...line, colors: line.halo}, {...common, now, width: ratio * (wide + 2), alpha: 0.5});
       painter.drawLine(line, {...common, now, width: ratio * wide, alpha: 1});
     }
     painter.drawLine(this.axes, {...common, width: ratio * 3, alpha: 1, step: 2});

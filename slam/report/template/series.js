@@ -98,14 +98,16 @@ function timePlot(parent, {title, note, unit, time, lines, height = 210, fromZer
       points: {show: false}}))],
     hooks: {
       drawClear: [shadeDegraded], setScale: [zoomTogether],
-      setCursor: [(u) => keys.values.forEach((value, i) => {
-        const at = u.cursor.idx;
-        value.textContent = at === null || at === undefined || !isNumber(u.data[i + 1][at]) ? "" : digits(u.data[i + 1][at]);
-      })],
     },
   }, [time, ...drawn.map((line) => line.values)], box);
   plots.push(plot);
   addPlayhead(plot);
+  const showValues = () => keys.values.forEach((value, i) => {
+    const now = drawn[i].values[indexAt(time, clock.now)];
+    value.textContent = isNumber(now) ? digits(now) : "";
+  });
+  clock.on(showValues);
+  showValues();
   new ResizeObserver(() => plot.setSize({width: Math.max(200, box.clientWidth), height})).observe(box);
   onTheme(() => plot.redraw(false));
 }
@@ -113,5 +115,7 @@ function timePlot(parent, {title, note, unit, time, lines, height = 210, fromZer
 function axisText(value, ticks) {
   const step = ticks.length > 1 ? Math.abs(ticks[1] - ticks[0]) : 1;
   if (Math.abs(value) > 0 && (step < 1e-4 || Math.abs(value) >= 1e6)) return value.toExponential(1);
-  return value.toFixed(Math.max(0, Math.ceil(-Math.log10(step) - 1e-9)));
+  let decimals = 0;  // as many as the step needs: 2.5 has one, 0.0025 four
+  while (decimals < 9 && Math.abs(step * 10 ** decimals - Math.round(step * 10 ** decimals)) > 1e-6 * step * 10 ** decimals) ++decimals;
+  return value.toFixed(decimals);
 }

@@ -49,7 +49,7 @@ function showResults() {
   const both = metrics.vo && metrics.graph;
   const cell = (row, name, other) => {
     const [text, unit] = withUnit(row[name], row.unit);
-    const best = both && isNumber(row[name]) && isNumber(row[other]) && row[name] <= row[other];
+    const best = both && isNumber(row[name]) && isNumber(row[other]) && row[name] < row[other];
     return h("td", {class: best ? "best" : null}, text, " ", h("small", {}, unit));
   };
   const head = (name, label) => h("th", {}, h("span", {class: "swatch " + name}), label);
