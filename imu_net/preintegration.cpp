@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "imu_net/gap_model.hpp"
 #include "imu_net/midpoint_integrator.hpp"
 #include "imu_net/option_bounds.hpp"
 #include "imu_net/sample_health.hpp"
@@ -48,8 +49,7 @@ class IntervalWalk {
   }
   const ImuSample* first_sample() const;
   void visit(const ImuSample& sample);
-  void stretch(const SignalNode& a, const SignalNode& b, bool both_sides, double length_s);
-  GapSpread gap_spread(const SignalNode& a, const SignalNode& b, bool both, double length_s) const;
+  void stretch(const SignalNode& a, const SignalNode& b, const Gap& gap);
 
   ImuRange samples_;
   ImuMotion frame_;
@@ -59,8 +59,9 @@ class IntervalWalk {
   double end_s_;
   MidpointIntegrator integrator_;
   std::optional<SignalNode> last_;  ///< the newest usable sample
-  bool dropped_ = false;            ///< a reading was refused since `last_`
-  bool saturated_ = false;          ///< it was at the limit of the range
+  const ImuSample* last_sample_ = nullptr;
+  bool dropped_ = false;    ///< a reading was refused since `last_`
+  bool saturated_ = false;  ///< it was at the limit of the range
   bool degraded_ = false;
   bool lost_ = false;
 };
@@ -92,7 +93,7 @@ ImuMotion IntervalWalk::run() {
     SignalNode to = *last_;
     to.time_s = end_s_;
     to.time_slope = 1.0;
-    stretch(from, to, false, end_s_ - last_->time_s);
+    stretch(from, to, {last_sample_, nullptr, end_s_ - last_->time_s, saturated_});
   }
   ImuMotion motion = frame_;
   if (!last_ || lost_) return motion;
@@ -124,7 +125,7 @@ void IntervalWalk::visit(const ImuSample& sample) {
       to.time_s = end_s_;
       to.time_slope = 1.0;
     }
-    stretch(from, to, false, current.time_s - start_s_);
+    stretch(from, to, {nullptr, &sample, current.time_s - start_s_, saturated_});
   } else if (last_ && current.time_s > start_s_) {
     const double length_s = current.time_s - last_->time_s;
     const auto end_node = [&](double time_s) {
@@ -137,42 +138,24 @@ void IntervalWalk::visit(const ImuSample& sample) {
     };
     const SignalNode from = last_->time_s <= start_s_ ? end_node(start_s_) : *last_;
     const SignalNode to = current.time_s >= end_s_ ? end_node(end_s_) : current;
-    stretch(from, to, true, length_s);
+    stretch(from, to, {last_sample_, &sample, length_s, saturated_});
   }
   last_ = current;
+  last_sample_ = &sample;
   dropped_ = saturated_ = false;
 }
 
-/// From a to b, a part of a stretch without usable samples that is `length_s` long in all.
-void IntervalWalk::stretch(const SignalNode& a,
-                           const SignalNode& b,
-                           bool both_sides,
-                           double length_s) {
-  if (length_s > options_.max_bridge_s) {
+/// From a to b: between two usable samples, or a part of that.
+void IntervalWalk::stretch(const SignalNode& a, const SignalNode& b, const Gap& gap) {
+  if (gap.length_s > options_.max_bridge_s) {
     lost_ = true;
     return;
   }
-  const bool hole = dropped_ || length_s * noise_.rate_hz > kHolePeriods;
+  const bool hole = dropped_ || gap.length_s * noise_.rate_hz > kHolePeriods;
   if (!hole) return integrator_.add(a, b, options_.max_step_s);
-  degraded_ = degraded_ || saturated_ || length_s > options_.max_gap_s;
-  integrator_.add_gap(a, b, options_.max_step_s, gap_spread(a, b, both_sides, length_s));
-}
-
-/// A smooth signal between two known ends strays with the square of the gap's length; beyond one
-/// end, or where the reading was clipped, linearly; never more than the motion's own strength.
-GapSpread IntervalWalk::gap_spread(const SignalNode& a,
-                                   const SignalNode& b,
-                                   bool both,
-                                   double length_s) const {
-  const double ratio = length_s / options_.gap_correlation_s;
-  const double share = 1.0 - std::exp(both && !saturated_ ? -ratio * ratio : -ratio);
-  const double rate =
-      std::max((a.rate - frame_.bias.gyro).norm(), (b.rate - frame_.bias.gyro).norm());
-  const double force = std::max(a.force.norm(), b.force.norm());
-  // The specific force is mostly gravity, which turns against the body.
-  const double swing = force * std::min(1.0, rate * length_s);
-  return {share * (options_.gap_gyro_floor + rate),
-          share * (options_.gap_accel_floor + swing + (b.force - a.force).norm())};
+  degraded_ = degraded_ || gap.saturated || gap.length_s > options_.max_gap_s;
+  integrator_.add_gap(a, b, options_.max_step_s,
+                      gap_spread(gap, samples_, frame_.bias, noise_, options_));
 }
 
 }  // namespace
@@ -183,6 +166,7 @@ void PreintegrationOptions::describe(Config& config) {
   config.field("max_step_s", max_step_s, "longest integration step [s]");
   config.field("gap_correlation_s", gap_correlation_s,
                "time after which motion in a gap is unrelated to that before it [s]");
+  config.field("gap_strength", gap_strength, "unseen motion in long gaps, relative to the seen");
   config.field("gap_gyro_floor", gap_gyro_floor, "angular rate to expect in any gap [rad/s]");
   config.field("gap_accel_floor", gap_accel_floor, "acceleration to expect in any gap [m/s^2]");
 }
@@ -195,6 +179,7 @@ void PreintegrationOptions::validate() const {
                "between 0.0001 and 1");
   check_option(gap_correlation_s > 0.0, "preintegration.gap_correlation_s", gap_correlation_s,
                "> 0");
+  check_option(gap_strength > 0.0, "preintegration.gap_strength", gap_strength, "> 0");
   check_option(gap_gyro_floor >= 0.0, "preintegration.gap_gyro_floor", gap_gyro_floor, ">= 0");
   check_option(gap_accel_floor >= 0.0, "preintegration.gap_accel_floor", gap_accel_floor, ">= 0");
 }

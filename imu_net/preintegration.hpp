@@ -19,7 +19,8 @@ struct PreintegrationOptions {
   double max_bridge_s = 2.0;  ///< [s] a longer one makes it invalid
   double max_step_s = 0.02;   ///< [s] longer segments are cut for the midpoint rule
   double gap_correlation_s =
-      0.2;  ///< [s] time over which unseen motion stops resembling the last seen
+      0.2;                    ///< [s] time over which unseen motion stops resembling the last seen
+  double gap_strength = 0.4;  ///< unseen motion in long gaps, relative to the seen
   double gap_gyro_floor = 0.1;   ///< [rad/s] motion to expect in a gap even after standing still
   double gap_accel_floor = 0.5;  ///< [m/s^2] likewise
 
@@ -38,8 +39,8 @@ struct PreintegrationOptions {
 /// Readings that are not finite or reach the range of the sensor are dropped. What is not seen is
 /// interpolated between its two neighbours, or held where there is only one. There the covariance
 /// grows with the length of the gap and with the strength of the motion around it, as for an
-/// unknown rate and specific force (constant plus ramp). Errors of two intervals in one gap are
-/// taken as independent.
+/// unknown rate and specific force (constant plus ramp; see gap_model.hpp). Errors of two intervals
+/// in one gap are taken as independent.
 ///   degraded   a gap > max_gap_s or a saturated reading was bridged
 ///   !valid     a gap > max_bridge_s or no usable reading: zero motion, covariance 1e6 I
 ///
