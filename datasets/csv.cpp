@@ -51,7 +51,12 @@ bool CsvReader::is_data() {
   const std::string_view line = trim(lines_.line());
   if (line.empty() || line.front() == '#') return false;
   fields_ = split(lines_.line(), ',');
-  for (std::string_view& field : fields_) field = trim(field);
+  offsets_.clear();
+  for (std::string_view& field : fields_) {
+    const auto blanks = std::min(field.find_first_not_of(" \t"), field.size());
+    offsets_.push_back(static_cast<std::size_t>(field.data() - lines_.line().data()) + blanks);
+    field = trim(field);
+  }
   const bool header = header_possible_ && looks_like_header(fields_.front());
   header_possible_ = false;
   return !header;
@@ -115,10 +120,14 @@ void CsvReader::check_column_count() const {
 }
 
 void CsvReader::fail_field(std::size_t column) const {
-  const auto position = static_cast<std::size_t>(fields_[column].data() - lines_.line().data()) + 1;
+  if (lines_.line().find(';') != std::string_view::npos) {
+    throw InputError(lines_.where(1) +
+                     ": expected commas between the columns, found semicolons; "
+                     "write 1,0.5 for 1;0,5");
+  }
   const bool is_time = columns_[column].kind == CsvColumn::Kind::kTime;
   throw InputError(fmt::format("{}: expected {} as {}, found \"{}\"; correct or remove the line",
-                               lines_.where(position), columns_[column].name,
+                               lines_.where(offsets_[column] + 1), columns_[column].name,
                                is_time ? "a whole number of nanoseconds" : "a number",
                                printable(fields_[column])));
 }

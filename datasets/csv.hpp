@@ -53,6 +53,7 @@ class CsvReader {
   bool header_possible_ = true;
   bool cut_off_ = false;
   std::vector<std::string_view> fields_;
+  std::vector<std::size_t> offsets_;  ///< of the fields in the line
   std::vector<std::int64_t> times_;
   std::vector<double> reals_;
 };

@@ -93,7 +93,7 @@ std::vector<FramePair> read_frames(const DriveRange& drive, const Recording& rec
   const auto left = names_by_frame(list_images(recording.left_folder), stamps.size());
   const auto right = names_by_frame(list_images(recording.right_folder), stamps.size());
   std::vector<ImageEntry> entries;
-  for (std::size_t i = drive.first; i < std::min(stamps.size(), drive.last + 1); ++i) {
+  for (std::size_t i = drive.first; i < stamps.size() && i <= drive.last; ++i) {
     if (stamps[i]) entries.push_back({*stamps[i], std::to_string(i), i + 1});
   }
   std::vector<FramePair> frames;

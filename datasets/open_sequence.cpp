@@ -29,6 +29,10 @@ const std::vector<Format>& formats() {
        &read_euroc},
       {"kitti_odometry", "calib.txt, times.txt, image_0/ and image_1/", &looks_like_kitti_odometry,
        &read_kitti_odometry},
+      {"kitti_raw", "a folder named DATE_drive_NUMBER_sync with image_00/ and image_01/",
+       &looks_like_kitti_raw, &read_kitti_raw},
+      {"plain", "left/ and right/ with calib.yaml or camchain-imucam.yaml", &looks_like_plain,
+       &read_plain},
   };
   return all;
 }
