@@ -34,9 +34,29 @@ std::string environment_name(const std::string& key) {
 /// Shortest text that reads back as the same double.
 std::string number_text(double value) { return fmt::format("{}", value); }
 
-bool needs_quotes(const std::string& text) {
-  if (text.empty()) return true;
-  return text.find_first_of(":#{}[],&*!|>'\"%@` \n\t") != std::string::npos;
+/// Text that YAML reads as itself without quotes; whatever is not surely plain gets quotes.
+bool is_plain(const std::string& text) {
+  if (parse_double(text)) return trim(text) == text;
+  if (text.empty() || text == "null" || text == "Null" || text == "NULL") return false;
+  const auto is_word = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '/';
+  };
+  const auto may_follow = [&](char c) { return is_word(c) || c == '.' || c == '-' || c == '+'; };
+  return is_word(text.front()) && std::all_of(text.begin(), text.end(), may_follow);
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') {
+      result += std::string("\\") + c;
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      result += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
+    } else {
+      result += c;
+    }
+  }
+  return result + "\"";
 }
 
 using Assignment = std::function<void(const std::string& key, const std::string& value, int line)>;
@@ -51,6 +71,7 @@ void walk(const YAML::Node& node,
   if (depth > kMaximumDepth) fail(here, "nested too deeply");
   if (node.IsMap()) {
     for (const auto& entry : node) {
+      if (!entry.first.IsScalar()) fail(here, "expected a name before the colon");
       const auto name = entry.first.as<std::string>();
       walk(entry.second, key.empty() ? name : key + "." + name, depth + 1, where, assign);
     }
@@ -177,7 +198,7 @@ std::string Config::to_yaml(bool with_help) const {
     open = sections;
     const std::string value = field.print();
     text += std::string(2 * sections.size(), ' ') + std::string(dots.back()) + ": ";
-    text += needs_quotes(value) ? "\"" + value + "\"" : value;
+    text += is_plain(value) ? value : quoted(value);
     if (with_help) text += "  # " + field.help;
     text += "\n";
   }

@@ -15,6 +15,14 @@ std::uint64_t mix(std::uint64_t x) {
   return x ^ (x >> 31U);
 }
 
+constexpr std::uint64_t kExactDoubles = 1ULL << 53U;
+
+/// The smallest 2^n - 1 that is not less than x.
+std::uint64_t mask_over(std::uint64_t x) {
+  for (unsigned shift = 1; shift < 64; shift *= 2) x |= x >> shift;
+  return x;
+}
+
 }  // namespace
 
 Random::Random(std::uint64_t seed) : engine_(mix(seed)), seed_(seed) {}
@@ -25,8 +33,16 @@ double Random::uniform(double low, double high) { return low + (high - low) * un
 
 std::int64_t Random::integer(std::int64_t low, std::int64_t high) {
   expects(low <= high, "Random::integer: low must not exceed high");
-  const double count = static_cast<double>(high - low) + 1.0;
-  return low + static_cast<std::int64_t>(uniform() * count);
+  // Unsigned: the width of the whole range does not fit into a signed number.
+  const std::uint64_t width = static_cast<std::uint64_t>(high) - static_cast<std::uint64_t>(low);
+  std::uint64_t step = 0;
+  if (width < kExactDoubles) {
+    step = static_cast<std::uint64_t>(uniform() * static_cast<double>(width + 1));
+  } else {
+    do step = bits() & mask_over(width);
+    while (step > width);
+  }
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(low) + step);
 }
 
 double Random::normal() {

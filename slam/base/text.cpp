@@ -12,7 +12,10 @@ constexpr std::string_view kBlanks = " \t\r\n";
 template <typename Number>
 std::optional<Number> parse_number(std::string_view text) {
   text = trim(text);
-  if (!text.empty() && text.front() == '+') text.remove_prefix(1);
+  if (!text.empty() && text.front() == '+') {
+    text.remove_prefix(1);
+    if (!text.empty() && text.front() == '-') return std::nullopt;
+  }
   Number value{};
   const char* const end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);

@@ -9,6 +9,9 @@ namespace imslam::lie {
 /// Below this squared angle [rad^2] closed forms are replaced by their Taylor series.
 inline constexpr double kSmallAngleSquared = 1e-8;
 
+/// Enough for matrices far from orthonormal; those at hand need two.
+inline constexpr int kPolarIterations = 30;
+
 template <typename Derived>
 Eigen::Matrix<typename Derived::Scalar, 3, 3> skew(const Eigen::MatrixBase<Derived>& v) {
   using Scalar = typename Derived::Scalar;
@@ -33,8 +36,21 @@ class SO3 {
   SO3() : q_(Quaternion::Identity()) {}
   explicit SO3(const Quaternion& q) : q_(q.normalized()) {}
 
-  /// The rotation nearest to M in the Frobenius norm; M needs not be orthonormal to the last digit.
-  static SO3 from_matrix(const Matrix3& M) { return SO3(Quaternion(M)); }
+  /// The rotation nearest to M in the Frobenius norm; M needs not be orthonormal, but det(M) > 0.
+  static SO3 from_matrix(const Matrix3& M) {
+    using std::sqrt;
+    // Newton-Schulz iteration for the polar factor; it converges from singular values below
+    // sqrt(3), which the scaling ensures. Higham, "Functions of Matrices", 2008, section 8.3.
+    const Scalar norm_sq = M.squaredNorm();
+    if (!(norm_sq > Scalar(0))) return SO3();
+    Matrix3 R = M * sqrt(Scalar(3) / norm_sq);
+    for (int i = 0; i < kPolarIterations; ++i) {
+      const Matrix3 excess = R.transpose() * R - Matrix3::Identity();
+      R -= Scalar(0.5) * R * excess;
+      if (excess.squaredNorm() < Scalar(1e-20)) break;  // the step just taken squared it
+    }
+    return SO3(Quaternion(R));
+  }
 
   static SO3 exp(const Vector3& theta) {
     using std::cos, std::sin, std::sqrt;
