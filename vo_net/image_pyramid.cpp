@@ -1,5 +1,6 @@
 #include "vo_net/image_pyramid.hpp"
 
+#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -30,6 +31,16 @@ void mirror_border(cv::Mat& padded) {
 }
 
 }  // namespace
+
+ImagePyramid& ImagePyramid::operator=(const ImagePyramid& other) {
+  if (this == &other) return *this;
+  buffers_ = other.buffers_;
+  levels_ = other.levels_;
+  for (std::size_t l = 0; l < levels_.size(); ++l) {
+    levels_[l].pixels = buffers_[l].data() + (other.levels_[l].pixels - other.buffers_[l].data());
+  }
+  return *this;
+}
 
 void ImagePyramid::build(const GrayImage& image, int levels, double smoothing) {
   expects(!image.empty() && levels >= 1, "ImagePyramid::build: needs an image and a level");

@@ -22,6 +22,13 @@ class ImagePyramid {
     const float* at(int x, int y) const { return pixels + y * stride + x; }
   };
 
+  ImagePyramid() = default;
+  ImagePyramid(const ImagePyramid& other) { *this = other; }
+  ImagePyramid& operator=(const ImagePyramid& other);
+  ImagePyramid(ImagePyramid&&) = default;
+  ImagePyramid& operator=(ImagePyramid&&) = default;
+  ~ImagePyramid() = default;
+
   /// `smoothing` [px]: standard deviation of the Gaussian applied at full size, 0 for none.
   /// Buffers of earlier calls are used again. The image must not be empty.
   void build(const GrayImage& image, int levels, double smoothing);

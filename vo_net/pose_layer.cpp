@@ -25,17 +25,6 @@ constexpr double kMedianChiSquared3 = 2.366;  // of s, which has 4 - 1 degrees o
 constexpr double kMinReciprocalCondition = 1e-9;
 constexpr double kStartDamping = 1e-6;
 
-bool is_usable(const Correspondence& c) {
-  const Eigen::Matrix2d& F = c.flow_information;
-  const bool finite = c.left0.allFinite() && c.left1.allFinite() && F.allFinite() &&
-                      std::isfinite(c.disparity0) && std::isfinite(c.disparity1) &&
-                      std::isfinite(c.disparity0_information) &&
-                      std::isfinite(c.disparity1_information) && std::isfinite(c.weight);
-  return finite && c.weight > 0.0 && c.disparity0_information > 0.0 &&
-         c.disparity1_information >= 0.0 && F(0, 0) >= 0.0 && F(1, 1) >= 0.0 &&
-         F.determinant() >= 0.0;
-}
-
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
@@ -256,15 +245,6 @@ void to_body(const StereoCamera& camera, const Estimate& estimate, PoseLayerResu
   result.J_disparity_offset = A * result.J_disparity_offset;
 }
 
-Problem make_problem(const Correspondences& correspondences,
-                     const StereoCamera& camera,
-                     const PoseLayerOptions& options,
-                     double offset) {
-  Problem problem{correspondences, camera, options.robust_kernel(), 1.0, offset, {}};
-  for (const Correspondence& c : correspondences) problem.usable.push_back(is_usable(c) ? 1 : 0);
-  return problem;
-}
-
 }  // namespace
 
 PoseLayerResult solve_pose(const Correspondences& correspondences,
@@ -282,7 +262,7 @@ PoseLayerResult solve_pose(const Correspondences& correspondences,
     start.disparities.push_back(c.disparity0 - disparity_offset);
   }
   result.disparities = start.disparities;
-  Problem problem = make_problem(correspondences, camera, options, disparity_offset);
+  Problem problem = detail::make_problem(correspondences, camera, options, 1.0, disparity_offset);
   const auto usable = std::count(problem.usable.begin(), problem.usable.end(), 1);
   if (usable < std::max(options.min_inliers, 3)) return result;
 

@@ -1,10 +1,23 @@
 #include "vo_net/pose_layer_system.hpp"
 
+#include <cmath>
+
 namespace imslam::vo::detail {
 namespace {
 
 /// What a point costs that would lie behind the camera: more than any sane residual.
 constexpr double kBehindCamera = 1e6;
+
+bool is_usable(const Correspondence& c) {
+  const Eigen::Matrix2d& F = c.flow_information;
+  const bool finite = c.left0.allFinite() && c.left1.allFinite() && F.allFinite() &&
+                      std::isfinite(c.disparity0) && std::isfinite(c.disparity1) &&
+                      std::isfinite(c.disparity0_information) &&
+                      std::isfinite(c.disparity1_information) && std::isfinite(c.weight);
+  return finite && c.weight > 0.0 && c.disparity0_information > 0.0 &&
+         c.disparity1_information >= 0.0 && F(0, 0) >= 0.0 && F(1, 1) >= 0.0 &&
+         F.determinant() >= 0.0;
+}
 
 Eigen::Matrix<double, 7, 1> without_disparity(const PointVector& v) {
   Eigen::Matrix<double, 7, 1> r;
@@ -30,6 +43,18 @@ void ReducedSystem::back_substitute(const ReducedVector& step, std::vector<doubl
     if (p.curvature <= 0.0) continue;
     d[k] -= (p.gradient + p.coupling.dot(step)) / (p.curvature * (1.0 + damping));
   }
+}
+
+Problem make_problem(const Correspondences& correspondences,
+                     const StereoCamera& camera,
+                     const PoseLayerOptions& options,
+                     double noise_scale,
+                     double offset) {
+  const double width = options.kernel_width * noise_scale;
+  Problem problem{correspondences, camera, options.robust_kernel(), width * width, offset, {}};
+  problem.usable.reserve(correspondences.size());
+  for (const Correspondence& c : correspondences) problem.usable.push_back(is_usable(c) ? 1 : 0);
+  return problem;
 }
 
 PointModel model_point(const Problem& problem,

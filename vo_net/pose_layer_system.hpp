@@ -4,6 +4,7 @@
 #include <Eigen/StdVector>
 #include <vector>
 
+#include "vo_net/pose_layer.hpp"
 #include "vo_net/pose_layer_point.hpp"
 
 namespace imslam::vo::detail {
@@ -51,6 +52,13 @@ struct Problem {
   double offset = 0.0;       ///< [px]
   std::vector<char> usable;  ///< finite, with sensible informations
 };
+
+/// The kernel bends at `noise_scale` times the option's width.
+Problem make_problem(const Correspondences& correspondences,
+                     const StereoCamera& camera,
+                     const PoseLayerOptions& options,
+                     double noise_scale,
+                     double offset);
 
 /// Gradient and 8x8 curvature of one point's cost 1/2 w rho(e^T Omega e).
 struct PointModel {
