@@ -176,6 +176,14 @@ Canvas car(Random& random) {
   return canvas;
 }
 
+Canvas glass(Random& random) {
+  Canvas canvas(kSize, random.uniform(0.1, 0.2));
+  canvas.add_noise(random, 2, 3, 5, 0.6, 0.3);  // reflections
+  canvas.scatter_polygons(random, 5, 30.0, 110.0, 0.12);
+  canvas.panels(random, 1, 1);
+  return canvas;
+}
+
 Canvas sign(Random& random) {
   Canvas canvas(kSize, random.uniform(0.5, 0.9));
   canvas.panels(random, 1, 1);
@@ -212,6 +220,7 @@ Canvas canvas_of(Material material, Random& random) {
     case Material::kFabric: return fabric(random);
     case Material::kMetal: return metal(random);
     case Material::kCar: return car(random);
+    case Material::kGlass: return glass(random);
     case Material::kSign: return sign(random);
     case Material::kSky: return sky(random);
   }

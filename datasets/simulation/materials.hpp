@@ -27,6 +27,7 @@ enum class Material {
   kFabric,
   kMetal,
   kCar,
+  kGlass,
   kSign,
   kSky,
 };

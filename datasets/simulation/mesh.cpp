@@ -60,6 +60,20 @@ void Mesh::add_quad(const Vector3d& corner,
   ++surface_count;
 }
 
+void Mesh::add_patch(const Vector3d& a,
+                     const Vector3d& b,
+                     const Vector3d& c,
+                     const Vector3d& d,
+                     const Paint& paint) {
+  const Vector2d corner = paint.offset.cast<double>();
+  const std::uint32_t first = add_vertex(a, corner + Vector2d(0, 1));
+  add_vertex(b, corner + Vector2d(1, 1));
+  add_vertex(d, corner);
+  add_vertex(c, corner + Vector2d(1, 0));
+  connect_grid(first, 1, 1, paint);
+  ++surface_count;
+}
+
 void Mesh::add_box(const lie::SE3d& T_mesh_box,
                    const Vector3d& size,
                    const Paint& paint,

@@ -45,6 +45,13 @@ struct Mesh {
                 const Paint& paint,
                 double cell_m = 0.3);
 
+  /// The flat or bent piece between four corners, counter-clockwise; papered with one tile.
+  void add_patch(const Eigen::Vector3d& a,
+                 const Eigen::Vector3d& b,
+                 const Eigen::Vector3d& c,
+                 const Eigen::Vector3d& d,
+                 const Paint& paint);
+
   /// Box with the given full sizes about the pose's origin; `bottom` = false leaves that face out.
   void add_box(const lie::SE3d& T_mesh_box,
                const Eigen::Vector3d& size,

@@ -39,6 +39,10 @@ lie::SE3d special_pose(const SimulationOptions& options, const lie::SE3d& start,
 
 }  // namespace
 
+double travel_time(const SimulationOptions& options, double t) {
+  return options.speed * travelled(t, options.rest_s);
+}
+
 MotionSpline make_motion(const SimulationOptions& options,
                          const std::function<lie::SE3d(double)>& path) {
   const double duration = options.duration_s + 1.0 / options.frame_rate_hz;
@@ -49,7 +53,7 @@ MotionSpline make_motion(const SimulationOptions& options,
   for (std::size_t k = 0; k < count; ++k) {
     const double t = MotionSpline::control_time(kKnot_s, k);
     controls.push_back(options.motion == "natural"
-                           ? path(options.speed * travelled(t, options.rest_s))
+                           ? path(travel_time(options, t))
                            : special_pose(options, start, t));
   }
   return MotionSpline(kKnot_s, std::move(controls));

@@ -43,7 +43,8 @@ class PlanarLoop {
 
   Pose at_time(double t) const;
   Pose at_distance(double s) const;
-  double length() const { return distances_.back(); }
+  double length() const { return distances_.back(); }   ///< [m]
+  double lap_time() const { return times_.back(); }     ///< [s]
   const std::vector<Eigen::Vector2d>& points() const { return points_; }
 
   /// Distance [m] of a place to the curve.

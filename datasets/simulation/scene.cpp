@@ -1,5 +1,6 @@
 #include "datasets/simulation/scene.hpp"
 
+#include "datasets/simulation/motion.hpp"
 #include "slam/base/error.hpp"
 
 namespace imslam::simulation {
@@ -16,6 +17,17 @@ Paint Scene::paint(TextureBank& bank, Material material, double tile_m, Random& 
 }
 
 Scene make_scene(const SimulationOptions& options, TextureBank& bank, const Random& random) {
+  if (options.scene == "corridor") return make_corridor(bank, random);
+  if (options.scene == "forest") return make_forest(bank, random);
+  if (options.scene == "street") {
+    std::function<double(double)> clock;
+    if (options.dynamic_objects) {
+      clock = [options](double t) {
+        return options.motion == "natural" ? travel_time(options, t) : 0.0;
+      };
+    }
+    return make_street(bank, random, clock);
+  }
   expects(options.scene == "room", "make_scene: unknown scene");
   return make_room(bank, random);
 }

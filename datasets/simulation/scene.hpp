@@ -57,6 +57,10 @@ Scene make_scene(const SimulationOptions& options, TextureBank& bank, const Rand
 Scene make_room(TextureBank& bank, Random random);
 Scene make_corridor(TextureBank& bank, Random random);
 Scene make_forest(TextureBank& bank, Random random);
-Scene make_street(TextureBank& bank, Random random, bool dynamic_objects);
+/// `travel_time`: clock time -> time along the path, so that traffic keeps its distance to the
+/// camera; empty: nothing drives.
+Scene make_street(TextureBank& bank,
+                  Random random,
+                  const std::function<double(double)>& travel_time);
 
 }  // namespace imslam::simulation

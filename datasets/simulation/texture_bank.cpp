@@ -93,6 +93,7 @@ bool may_be_photo(Material material) {
     case Material::kBooks:
     case Material::kDoor:
     case Material::kSky:
+    case Material::kGlass:
     case Material::kTiles:
     case Material::kCeiling:
       return false;
