@@ -64,13 +64,13 @@ std::string unit_sentence(const std::string& source, const Unit& unit) {
 }
 
 std::optional<std::string> unit_mismatch(const PosePath& reference, const PosePath& estimate) {
-  for (const PosePath* path : {&reference, &estimate}) {
-    if (const auto unit = wrong_unit(path->stamps_s)) return unit_sentence(path->source, *unit);
-  }
   const Range r = range_of(reference.stamps_s);
   const Range e = range_of(estimate.stamps_s);
   if (const auto unit = unit_between(r, e)) return unit_sentence(reference.source, *unit);
   if (const auto unit = unit_between(e, r)) return unit_sentence(estimate.source, *unit);
+  for (const PosePath* path : {&reference, &estimate}) {
+    if (const auto unit = wrong_unit(path->stamps_s)) return unit_sentence(path->source, *unit);
+  }
   return std::nullopt;
 }
 

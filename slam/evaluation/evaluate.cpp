@@ -187,6 +187,7 @@ Evaluation evaluate(const PosePath& reference,
   result.warnings = m.warnings;
   append(result.warnings, frame_warnings(m));
   result.matched = m.estimate.size();
+  result.stamped = reference.has_stamps();
   result.reference_poses = m.reference_poses;
   result.estimate_poses = m.estimate_poses;
   result.coverage = m.coverage;
@@ -209,7 +210,9 @@ PosePath to_pose_path(const Trajectory& trajectory, const std::string& source) {
   path.frame = trajectory.frame;
   path.source = source;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    path.stamps_s.push_back(static_cast<double>(trajectory.times_ns[i]) / 1e9);
+    // long double holds every int64: the same double as the decimal text of a TUM file gives.
+    const long double seconds = static_cast<long double>(trajectory.times_ns[i]) / 1e9L;
+    path.stamps_s.push_back(static_cast<double>(seconds));
     path.poses.push_back(trajectory.poses[i].matrix());
   }
   return path;

@@ -66,6 +66,7 @@ struct Evaluation {
   std::size_t matched = 0;
   std::size_t reference_poses = 0;
   std::size_t estimate_poses = 0;
+  bool stamped = true;         ///< false: poses were matched by their order
   double coverage = 0.0;       ///< matched share of the shorter path
   double time_coverage = 0.0;  ///< share of the reference's duration
 
