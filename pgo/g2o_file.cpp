@@ -141,8 +141,7 @@ void write_g2o(const GraphData& graph, const std::filesystem::path& file) {
   for (const VisualEdge& edge : graph.visual_edges) {
     fmt::format_to(std::back_inserter(text), "EDGE_SE3:QUAT {} {}", edge.from, edge.to);
     append_pose(text, edge.motion.T_body0_body1);
-    const Matrix6 information =
-        D * edge.sqrt_information.transpose() * edge.sqrt_information * D;
+    const Matrix6 information = D * edge.sqrt_information.transpose() * edge.sqrt_information * D;
     for (int row = 0; row < 6; ++row) {
       for (int column = row; column < 6; ++column) {
         fmt::format_to(std::back_inserter(text), " {}", information(row, column));

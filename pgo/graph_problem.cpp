@@ -39,6 +39,12 @@ void silence_ceres() {
 
 }  // namespace
 
+bool has_biases(const GraphData& data) {
+  const auto is_bias = [](const BlockId& id) { return id.kind == BlockId::Kind::kBias; };
+  return !data.inertial_edges.empty() || !data.bias_priors.empty() ||
+         std::any_of(data.marginal.blocks.begin(), data.marginal.blocks.end(), is_bias);
+}
+
 std::unique_ptr<ceres::LossFunction> make_loss(const GraphOptions& options) {
   if (options.kernel == "huber") {
     return std::make_unique<ceres::HuberLoss>(options.kernel_width);
@@ -49,14 +55,14 @@ std::unique_ptr<ceres::LossFunction> make_loss(const GraphOptions& options) {
   return nullptr;
 }
 
-GraphProblem::GraphProblem(const GraphData& data, const GraphOptions& options)
+GraphProblem::GraphProblem(const GraphData& data, const GraphOptions& options, BiasWalks walks)
     : options_(options), problem_(std::make_unique<ceres::Problem>(problem_options())) {
   silence_ceres();
   copy_blocks(data);
   loss_ = make_loss(options);
   add_visual_edges(data);
   add_inertial_edges(data);
-  add_bias_walks(data);
+  add_bias_walks(data, walks);
   add_state_priors(data);
   add_global_priors(data);
   add_marginal_prior(data);
@@ -104,9 +110,10 @@ void GraphProblem::add_inertial_edges(const GraphData& data) {
 }
 
 /// The bias drifts from state to state, also through intervals without IMU data.
-void GraphProblem::add_bias_walks(const GraphData& data) {
-  if (data.inertial_edges.empty()) return;
-  for (std::size_t i = 1; i < data.states.size(); ++i) {
+void GraphProblem::add_bias_walks(const GraphData& data, BiasWalks walks) {
+  if (walks == BiasWalks::kNone || (walks == BiasWalks::kAuto && !has_biases(data))) return;
+  const std::size_t end = walks == BiasWalks::kFirst ? 2 : data.states.size();
+  for (std::size_t i = 1; i < end; ++i) {
     const double dt_s = to_seconds(data.states[i].time_ns - data.states[i - 1].time_ns);
     bias_walks_.emplace_back(options_.gyro_random_walk, options_.accel_random_walk, dt_s);
     problem_->AddResidualBlock(&bias_walks_.back(), nullptr, biases_[i - 1].data(),

@@ -16,12 +16,18 @@
 
 namespace imslam::pgo {
 
+/// Which bias walks a problem gets: between all neighbouring states, or the first two only.
+enum class BiasWalks { kAuto, kFirst, kNone };
+
 /// A GraphData laid out for Ceres. Lives for one solve; owns blocks and factors in a few large
 /// pieces instead of one allocation each. Everything in it has a fixed order, so the result has
 /// the same bits every time.
 class GraphProblem {
  public:
-  GraphProblem(const GraphData& data, const GraphOptions& options);
+  /// kAuto: all bias walks if the graph has anything inertial.
+  GraphProblem(const GraphData& data,
+               const GraphOptions& options,
+               BiasWalks walks = BiasWalks::kAuto);
   GraphProblem(const GraphProblem&) = delete;
   GraphProblem& operator=(const GraphProblem&) = delete;
 
@@ -42,7 +48,7 @@ class GraphProblem {
   void copy_blocks(const GraphData& data);
   void add_visual_edges(const GraphData& data);
   void add_inertial_edges(const GraphData& data);
-  void add_bias_walks(const GraphData& data);
+  void add_bias_walks(const GraphData& data, BiasWalks walks);
   void add_state_priors(const GraphData& data);
   void add_global_priors(const GraphData& data);
   void add_marginal_prior(const GraphData& data);
@@ -68,6 +74,9 @@ class GraphProblem {
   std::vector<ceres::ResidualBlockId> inertial_ids_;
   std::unique_ptr<ceres::Problem> problem_;  ///< last: it refers to all of the above
 };
+
+/// Whether anything in the graph speaks of biases: then they are estimated, and walk.
+bool has_biases(const GraphData& data);
 
 /// The robust kernel of visual edges; null: none.
 std::unique_ptr<ceres::LossFunction> make_loss(const GraphOptions& options);

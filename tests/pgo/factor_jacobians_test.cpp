@@ -112,10 +112,9 @@ ImuCase imu_case(Random& random, double angle, const Vector9& measurement_step) 
   db.head<3>() -= motion.bias.gyro;
   db.tail<3>() -= motion.bias.accel;
   const Vector3d x = motion.J_dR_bias * db + motion.J_time_offset.head<3>() * -0.04;
-  at.T_world_body1 =
-      SE3d(at.T_world_body0.rotation() * motion.dR * SO3d::exp(x) *
-               SO3d::exp(angle * random.normal3().normalized()),
-           random.normal3());
+  at.T_world_body1 = SE3d(at.T_world_body0.rotation() * motion.dR * SO3d::exp(x) *
+                              SO3d::exp(angle * random.normal3().normalized()),
+                          random.normal3());
   at.v0_world = random.normal3();
   at.v1_world = random.normal3();
   at.gravity_direction = random.normal3().normalized();
@@ -131,12 +130,15 @@ TEST(ImuFactor, JacobiansMatchNumericDerivatives) {
   for (double angle : kAngles) {
     Random random(21);
     const ImuCase c = imu_case(random, angle, Vector9::Zero());
-    expect_jacobians_match(
-        c.factor,
-        {pose_block(c.at.T_world_body0), vector_block(c.at.v0_world),
-         pose_block(c.at.T_world_body1), vector_block(c.at.v1_world), vector_block(c.at.bias),
-         vector_block(c.at.gravity_direction), {c.at.time_offset_s}},
-        5);
+    expect_jacobians_match(c.factor,
+                           {pose_block(c.at.T_world_body0),
+                            vector_block(c.at.v0_world),
+                            pose_block(c.at.T_world_body1),
+                            vector_block(c.at.v1_world),
+                            vector_block(c.at.bias),
+                            vector_block(c.at.gravity_direction),
+                            {c.at.time_offset_s}},
+                           5);
   }
 }
 
@@ -159,9 +161,13 @@ TEST(ImuFactor, VanishesWhereTheStatesObeyTheMotion) {
   const auto states = testing::wavy_states(2, 0.5);
   const ImuFactor factor(testing::exact_imu_motion(states[0], states[1]),
                          Eigen::Matrix<double, 9, 9>::Identity(), 9.81);
-  ImuFactor::Point at{states[0].nav.T_world_body, states[0].nav.v_world,
-                      states[1].nav.T_world_body, states[1].nav.v_world,
-                      Vector6::Zero(),            -Vector3d::UnitZ(), 0.0};
+  ImuFactor::Point at{states[0].nav.T_world_body,
+                      states[0].nav.v_world,
+                      states[1].nav.T_world_body,
+                      states[1].nav.v_world,
+                      Vector6::Zero(),
+                      -Vector3d::UnitZ(),
+                      0.0};
   EXPECT_LT(factor.residual(at).norm(), 1e-14);
   at.gravity_direction = Vector3d::UnitZ();
   EXPECT_GT(factor.residual(at).norm(), 1.0);
@@ -206,24 +212,28 @@ TEST(MarginalPriorFactor, JacobiansMatchNumericDerivatives) {
   for (double angle : kAngles) {
     Random random(41);
     const SE3d X = random_pose(random);
-    const SE3d x = X * SE3d::exp((Vector6() << 0.2 * random.normal3(),
-                                  angle * random.normal3().normalized()).finished());
+    const SE3d x =
+        X * SE3d::exp((Vector6() << 0.2 * random.normal3(), angle * random.normal3().normalized())
+                          .finished());
     const Vector3d N = random.normal3().normalized();
     const Vector3d n = (N + 0.1 * random.normal3()).normalized();
     const Vector6 b = random_matrix<6, 1>(random);
     MarginalPrior prior;
     using Kind = BlockId::Kind;
-    prior.blocks = {{Kind::kPose, 0}, {Kind::kVelocity, 0}, {Kind::kBias, 0}, {Kind::kGravity, 0},
+    prior.blocks = {{Kind::kPose, 0},
+                    {Kind::kVelocity, 0},
+                    {Kind::kBias, 0},
+                    {Kind::kGravity, 0},
                     {Kind::kTimeOffset, 0}};
     const testing::Block X_block = pose_block(X);
     prior.point = {Eigen::Map<const VectorXd>(X_block.data(), 7), random.normal3(),
                    random_matrix<6, 1>(random), N, Eigen::VectorXd::Constant(1, 0.3)};
     prior.J = random_matrix<12, 18>(random);
     prior.residual = random_matrix<12, 1>(random);
-    expect_jacobians_match(MarginalPriorFactor(prior),
-                           {pose_block(x), vector_block(random.normal3()), vector_block(b),
-                            vector_block(n), {0.1}},
-                           3);
+    expect_jacobians_match(
+        MarginalPriorFactor(prior),
+        {pose_block(x), vector_block(random.normal3()), vector_block(b), vector_block(n), {0.1}},
+        3);
   }
 }
 
