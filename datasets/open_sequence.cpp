@@ -64,8 +64,7 @@ const Format& format_of(const std::filesystem::path& folder) {
 
 }  // namespace
 
-std::unique_ptr<Sequence> open_sequence(const std::filesystem::path& folder,
-                                        const std::string& format) {
+Recording read_recording(const std::filesystem::path& folder, const std::string& format) {
   if (format != "auto") format_named(format);
   // KITTI raw drives may be named by their odometry number, which is no folder.
   if (!std::filesystem::is_directory(folder) && !looks_like_kitti_raw(folder)) {
@@ -74,7 +73,12 @@ std::unique_ptr<Sequence> open_sequence(const std::filesystem::path& folder,
                                             : ": no such folder; check the path"));
   }
   const Format& chosen = format == "auto" ? format_of(folder) : format_named(format);
-  return make_sequence(chosen.read(folder));
+  return chosen.read(folder);
+}
+
+std::unique_ptr<Sequence> open_sequence(const std::filesystem::path& folder,
+                                        const std::string& format) {
+  return make_sequence(read_recording(folder, format));
 }
 
 std::vector<std::string> sequence_formats() {

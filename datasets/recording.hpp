@@ -35,6 +35,9 @@ struct Recording {
   std::vector<std::filesystem::path> input_files;
 };
 
+/// Finds out the format (see open_sequence()) and what is in the folder.
+Recording read_recording(const std::filesystem::path& folder, const std::string& format);
+
 /// The sequence over a recording. Where there is no IMU the rectified left camera becomes the body.
 ///
 /// InputError(kData) if there are no frames or no image can be read; InputError(kCalibration) if

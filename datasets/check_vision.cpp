@@ -1,0 +1,181 @@
+#include "datasets/check_vision.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace imslam::datasets {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+constexpr double kClearDisparity = 1.0;  // [px] beyond noise
+constexpr std::size_t kMinMatches = 60;
+
+double median_of(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<double> magnitudes(std::vector<double> values) {
+  for (double& value : values) value = std::abs(value);
+  return values;
+}
+
+/// Matches whose rows agree: what exchanged images have as well as right ones.
+struct DisparitySigns {
+  std::size_t positive = 0;
+  std::size_t negative = 0;
+
+  void add(double disparity, double row_difference) {
+    if (std::abs(row_difference) > 3.0) return;
+    positive += disparity > kClearDisparity ? 1 : 0;
+    negative += disparity < -kClearDisparity ? 1 : 0;
+  }
+  bool exchanged() const { return positive + negative >= kMinMatches && negative > 2 * positive; }
+};
+
+Finding exchanged_finding(const DisparitySigns& signs) {
+  return {Severity::kError,
+          "",
+          0,
+          fmt::format("left and right are exchanged: {} of {} stereo matches lie further right in "
+                      "the right image",
+                      signs.negative, signs.negative + signs.positive),
+          "swap the two image folders (or the two calibrations)",
+          ExitCode::kCalibration};
+}
+
+void check_rows(const VisualProbe& probe, Findings& findings) {
+  const std::vector<double>& rows = probe.row_differences();
+  if (rows.size() < kMinMatches) return;
+  const double bias = median_of(rows);
+  const double spread = median_of(magnitudes(rows));
+  findings.info(
+      fmt::format("stereo: median disparity {:.1f} px; rows of matches differ by {:.2f} px "
+                  "(median), {:+.2f} px on average",
+                  median_of(probe.disparities()), spread, bias));
+  if (spread > 3.0) {
+    findings.fail(
+        ExitCode::kCalibration,
+        fmt::format("rows of stereo matches differ by {:.1f} px: the pair is not rectified",
+                    spread),
+        "check intrinsics, distortion and extrinsics of both cameras");
+  } else if (spread > 0.8) {
+    findings.warn(fmt::format("rows of stereo matches differ by {:.2f} px", spread),
+                  "below 0.5 px is usual: calibrate the pair again");
+  }
+}
+
+void report_fit(const RotationComparison& fit, const lie::SO3d& R_body_left, Findings& findings) {
+  const double angle = (R_body_left * fit.R_left_body).log().norm() * kDegrees;
+  std::string text = fmt::format(
+      "vision against gyro over {} intervals: correlation {:.3f}, scale {:.3f}, time offset "
+      "{:+.1f} ms (t_imu = t_camera + offset)",
+      fit.intervals, fit.correlation, fit.scale, fit.time_offset_s * 1e3);
+  if (fit.planarity > 0.15) text += fmt::format(", extrinsic rotation off by {:.2f} deg", angle);
+  findings.info(text);
+}
+
+}  // namespace
+
+std::optional<Finding> check_stereo_order(Sequence& sequence, std::size_t frames) {
+  DisparitySigns signs;
+  std::size_t seen = 0;
+  const std::size_t end = std::min(sequence.frame_count(), 5 * frames);  // some may be damaged
+  for (std::size_t i = 0; i < end && seen < frames; ++i) {
+    const StereoFrame frame = sequence.read_frame(i);
+    if (!frame.complete()) continue;
+    ++seen;
+    const StereoMatches matches = match_stereo(frame.left, frame.right);
+    for (std::size_t k = 0; k < matches.left.size(); ++k) {
+      const Eigen::Vector2d difference = matches.left[k] - matches.right[k];
+      signs.add(difference.x(), difference.y());
+    }
+  }
+  return signs.exchanged() ? std::optional(exchanged_finding(signs)) : std::nullopt;
+}
+
+void check_vision(Sequence& sequence, int frames, Findings& findings) {
+  const auto order = check_stereo_order(sequence);
+  if (order) findings.add(*order);
+  VisualProbe probe(sequence.camera());
+  const auto end = std::min(sequence.frame_count(), static_cast<std::size_t>(frames));
+  for (std::size_t i = 0; i < end; ++i) {
+    StereoFrame frame = sequence.read_frame(i);
+    if (order) std::swap(frame.left, frame.right);  // the rest can be checked all the same
+    probe.add(frame);
+  }
+  if (probe.row_differences().size() < kMinMatches) {
+    findings.warn(
+        fmt::format("only {} stereo matches in {} frames", probe.row_differences().size(), end),
+        "the images hold little texture, are dark, or are no stereo pair");
+    return;
+  }
+  check_rows(probe, findings);
+  if (!sequence.imu()) return;
+  const lie::SO3d& R_body_left = sequence.camera().T_body_left.rotation();
+  const RotationComparison comparison =
+      compare_rotations(probe.rotations(), sequence.imu()->samples, R_body_left);
+  if (!comparison.valid) {
+    findings.info(
+        fmt::format("vision against gyro: no common motion seen ({} intervals, {:.0f} deg "
+                    "of rotation, correlation {:.2f}); extrinsics and clock were not "
+                    "checked",
+                    comparison.intervals, comparison.angle_rad * kDegrees, comparison.correlation));
+    return;
+  }
+  judge_rotations(comparison, R_body_left, "", findings);
+}
+
+void judge_rotations(const RotationComparison& fit,
+                     const lie::SO3d& R_body_left,
+                     const std::string& file,
+                     Findings& findings) {
+  if (!fit.valid) return;
+  report_fit(fit, R_body_left, findings);
+  const double lost = fit.correlation - fit.calibrated;
+  if (lost > 0.2 && fit.inverted > fit.calibrated + 0.2) {
+    findings.fail(ExitCode::kCalibration,
+                  fmt::format("the camera-IMU rotation looks inverted: gyro and vision agree to "
+                              "{:.2f} with its inverse, to {:.2f} as given",
+                              fit.inverted, fit.calibrated),
+                  "give the inverse of the extrinsics (EuRoC T_BS: sensor to body; Kalibr "
+                  "T_cam_imu: IMU to camera)",
+                  file);
+  } else if (lost > 0.2) {
+    findings.fail(
+        ExitCode::kCalibration,
+        fmt::format("the camera-IMU rotation does not fit: gyro and vision agree to {:.2f} "
+                    "with it, to {:.2f} with the best one",
+                    fit.calibrated, fit.correlation),
+        "check the axes of IMU and camera in the extrinsics", file);
+  } else if (fit.correlation > 0.9 && fit.planarity > 0.15 && lost > 0.005) {
+    findings.warn(fmt::format("the camera-IMU rotation is off by {:.1f} deg",
+                              (R_body_left * fit.R_left_body).log().norm() * kDegrees),
+                  "calibrate the extrinsics again", file);
+  }
+  if (fit.scale < 0.1) {
+    findings.fail(
+        ExitCode::kData,
+        fmt::format("the gyro turns {:.1f} times faster than the images", 1.0 / fit.scale),
+        std::abs(fit.scale * kDegrees - 1.0) < 0.3
+            ? "it is in degrees per second; convert it to radians"
+            : "check the gyro's unit");
+  } else if (fit.correlation > 0.8 && std::abs(fit.scale - 1.0) > 0.1) {
+    findings.warn(
+        fmt::format("the images turn {:.2f} times as fast as the gyro", fit.scale),
+        fmt::format("the focal length seems to be wrong by about {:+.0f} %, or the gyro's "
+                    "scale",
+                    (1.0 / fit.scale - 1.0) * 100.0));
+  }
+  if (fit.correlation > 0.8 && std::abs(fit.time_offset_s) > 5e-3) {
+    findings.warn(
+        fmt::format("camera and IMU clocks differ by {:+.1f} ms", fit.time_offset_s * 1e3),
+        "the run estimates it; correct the stamps for best results");
+  }
+}
+
+}  // namespace imslam::datasets
