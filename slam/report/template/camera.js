@@ -24,7 +24,8 @@ class OrbitCamera {
   }
 
   reset(center, radius) {
-    Object.assign(this, {center, radius, target: center.slice(), distance: radius * 2.3, yaw: -1.05, pitch: 0.6});
+    const narrow = Math.max(1, 1.45 * this.canvas.clientHeight / Math.max(1, this.canvas.clientWidth));
+    Object.assign(this, {center, radius, target: center.slice(), distance: radius * 2.3 * narrow, yaw: -1.05, pitch: 0.6});
   }
   look(yaw, pitch) { Object.assign(this, {yaw, pitch}); this.changed(); }
   zoom(factor) {
