@@ -3,11 +3,14 @@ const ERRORS = [
   // key, label, unit, text of the card's title
   ["ate_se3_rmse_m", "ATE, SE(3) aligned", "m", "Root mean square position error after the best rigid alignment"],
   ["ate_posyaw_rmse_m", "ATE, yaw aligned", "m", "After aligning position and yaw only"],
+  ["ate_sim3_rmse_m", "ATE, Sim(3) aligned", "m", "After aligning the scale as well"],
   ["rpe_1m_rmse_m", "RPE over 1 m", "m", "Root mean square relative error over one metre of path"],
   ["rpe_frame_rmse_m", "RPE per frame", "m", "Relative error from frame to frame"],
   ["rpe_frame_rmse_deg", "Rotation per frame", "°", "Relative rotation error from frame to frame"],
   ["t_rel_percent", "KITTI translation", "%", "Drift over 100 to 800 m of path"],
   ["r_rel_deg_per_100m", "KITTI rotation", "°/100 m", "Rotation drift over 100 to 800 m of path"],
+  ["sub_t_rel_percent", "Drift over short segments", "%", "As KITTI translation, over segments that fit into the path"],
+  ["sub_r_rel_deg_per_100m", "Rotation drift, short segments", "°/100 m", "As KITTI rotation, over segments that fit into the path"],
   ["end_error_percent", "End error", "%", "Error of the last position, per path length"],
   ["rotation_end_deg", "Rotation at the end", "°", "Rotation error of the last pose"],
 ];

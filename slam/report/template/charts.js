@@ -2,6 +2,7 @@
 const column = (name) => (hasSeries(name) ? series[name] : null);
 const scaled = (name, factor) => column(name) && series[name].map((value) => (value === null ? null : value * factor));
 
+// Truth may come less often than frames: errors are joined across the frames between.
 function errorPlots() {
   const parent = byId("error-plots");
   const small = (name) => { const all = column(name); return all && quantile(sorted(all), 0.9) < 0.1; };
@@ -10,12 +11,12 @@ function errorPlots() {
   timePlot(parent, {
     title: column("graph_error_m") || column("vo_error_m") ? "Position error" : "Position uncertainty", unit: millimetres ? "mm" : "m", time: series.time_s, fromZero: true, lines: [
       {label: "1σ", values: scaled("position_sigma_m", factor), color: "truth", width: 1.2, dash: [4, 4]},
-      {label: "VO", values: scaled("vo_error_m", factor), color: "vo"},
-      {label: "Graph", values: scaled("graph_error_m", factor), color: "graph", width: 2}]});
+      {label: "VO", values: scaled("vo_error_m", factor), color: "vo", join: true},
+      {label: "Graph", values: scaled("graph_error_m", factor), color: "graph", join: true, width: 2}]});
   timePlot(parent, {
     title: "Rotation error", unit: "deg", time: series.time_s, fromZero: true, lines: [
-      {label: "VO", values: column("vo_error_deg"), color: "vo"},
-      {label: "Graph", values: column("graph_error_deg"), color: "graph", width: 2}]});
+      {label: "VO", values: column("vo_error_deg"), color: "vo", join: true},
+      {label: "Graph", values: column("graph_error_deg"), color: "graph", join: true, width: 2}]});
 }
 
 /// Values of all trajectories on the stamps of the main one; null outside of a trajectory's span.

@@ -185,7 +185,7 @@ class Scene {
     gl.enable(gl.DEPTH_TEST);
     if (this.cloud && this.visible.map) {
       const diameter = this.mapSize * 0.0065 * this.radius * height / Math.tan(FIELD / 2) / 2;
-      painter.drawPoints(this.cloud, {...sight, diameter, limits: [1.4 * ratio, 9 * ratio]});
+      painter.drawPoints(this.cloud, {...sight, diameter, limits: [1.7 * ratio, 9 * ratio]});
     }
     gl.disable(gl.DEPTH_TEST);  // trajectories stay visible through walls
     for (const [name, wide] of [["truth", 7], ["vo", 1.9], ["graph", 2.6]]) {

@@ -94,7 +94,7 @@ function timePlot(parent, {title, note, unit, time, lines, height = 210, fromZer
     scales: {x: {time: false}, y: {range}},
     axes: [axis({size: 30, values: (u, ticks) => ticks.map((t) => t + " s")}), axis({label: unit, values: (u, ticks) => ticks.map((t) => axisText(t, ticks))})],
     series: [{}, ...drawn.map((line) => ({
-      label: line.label, stroke: () => cssColor(line.color), width: line.width || 1.6, dash: line.dash, spanGaps: false,
+      label: line.label, stroke: () => cssColor(line.color), width: line.width || 1.6, dash: line.dash, spanGaps: !!line.join,
       points: {show: false}}))],
     hooks: {
       drawClear: [shadeDegraded], setScale: [zoomTogether],

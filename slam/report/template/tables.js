@@ -1,10 +1,10 @@
 // Tables, and the results as text for papers and notes.
 function resultRows() {
-  const vo = metrics.vo || {}, graph = metrics.graph || {};
+  const vo = metrics.vo || {}, graph = metrics.graph || {}, online = metrics.online || {};
   const known = ERRORS.map(([key, label, unit]) => [key, label, unit]);
   const others = Object.keys({...vo, ...graph}).filter((key) => !known.some((entry) => entry[0] === key))
     .map((key) => [key, humanise(key), ""]);
-  return [...known, ...others].map(([key, label, unit]) => ({label, unit, vo: vo[key], graph: graph[key]}))
+  return [...known, ...others].map(([key, label, unit]) => ({label, unit, isError: known.some((entry) => entry[0] === key), vo: vo[key], online: online[key], graph: graph[key]}))
     .filter((row) => isNumber(row.vo) || isNumber(row.graph));
 }
 
@@ -49,7 +49,7 @@ function showResults() {
   const both = metrics.vo && metrics.graph;
   const cell = (row, name, other) => {
     const [text, unit] = withUnit(row[name], row.unit);
-    const best = both && isNumber(row[name]) && isNumber(row[other]) && row[name] < row[other];
+    const best = both && row.isError && isNumber(row[name]) && isNumber(row[other]) && row[name] < row[other];
     return h("td", {class: best ? "best" : null}, text, " ", h("small", {}, unit));
   };
   const head = (name, label) => h("th", {}, h("span", {class: "swatch " + name}), label);
@@ -57,10 +57,10 @@ function showResults() {
     h("div", {class: "tools"}, Object.keys(EXPORTS).map((name) => copyButton(name, rows))),
     h("h3", {}, "Results", h("small", {}, "against ground truth")),
     h("div", {class: "scroll"}, h("table", {},
-      h("thead", {}, h("tr", {}, h("th", {}, ""), metrics.vo ? head("vo", "VO") : null, metrics.graph ? head("graph", "Graph") : null, both ? h("th", {}, "") : null)),
+      h("thead", {}, h("tr", {}, h("th", {}, ""), metrics.vo ? head("vo", "VO") : null, metrics.online ? h("th", {title: "the estimate at the time of each frame"}, "Online") : null, metrics.graph ? head("graph", "Graph") : null, both ? h("th", {}, "") : null)),
       h("tbody", {}, rows.map((row) => h("tr", {}, h("th", {}, row.label),
-        metrics.vo ? cell(row, "vo", "graph") : null, metrics.graph ? cell(row, "graph", "vo") : null,
-        both ? h("td", {}, changeChip(row.vo, row.graph)) : null))))));
+        metrics.vo ? cell(row, "vo", "graph") : null, metrics.online ? cell(row, "online", "") : null, metrics.graph ? cell(row, "graph", "vo") : null,
+        both ? h("td", {}, row.isError ? changeChip(row.vo, row.graph) : null) : null))))));
 }
 
 function valueText(value) {
