@@ -237,8 +237,9 @@ MatchResult KltMatcher::State::match(const StereoFrame& frame, const lie::SE3d& 
   }
   add_corners();
   for (const Track& track : tracks_) {
-    result.points.push_back(
-        {track.left, track.disparity.value, information(track.disparity.variance), track.id});
+    result.points.push_back({track.left, track.disparity.value,
+                             information(track.disparity.variance), track.disparity.row_error,
+                             track.id});
   }
   time_before_ns_ = frame.time_ns;
   has_frame_ = true;

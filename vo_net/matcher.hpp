@@ -15,6 +15,7 @@ struct StereoPoint {
   Eigen::Vector2d left = Eigen::Vector2d::Zero();  ///< [px]
   double disparity = 0.0;                          ///< [px]
   double disparity_information = 1.0;              ///< [1/px^2]
+  double row_error = 0.0;  ///< [px] v_right - v_left, a check on rectification
   std::int64_t track_id = -1;
 };
 

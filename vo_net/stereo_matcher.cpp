@@ -36,7 +36,7 @@ std::optional<Disparity> StereoMatcher::accept(const Eigen::Vector2d& left,
   const Alignment back =
       align_patch(right_, forth.position, left_, left, 0, align_, options_.stereo_along_row);
   if (!back.found || (back.position - left).norm() > options_.max_round_trip) return std::nullopt;
-  return Disparity{disparity, forth.covariance(0, 0)};
+  return Disparity{disparity, forth.covariance(0, 0), forth.position.y() - left.y()};
 }
 
 std::optional<Disparity> StereoMatcher::refine(const Eigen::Vector2d& left, double expected) const {

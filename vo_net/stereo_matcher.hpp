@@ -9,8 +9,9 @@
 namespace imslam::vo {
 
 struct Disparity {
-  double value = 0.0;     ///< [px]
-  double variance = 1.0;  ///< [px^2]
+  double value = 0.0;      ///< [px]
+  double variance = 1.0;   ///< [px^2]
+  double row_error = 0.0;  ///< [px] v_right - v_left, 0 for perfect rectification
 };
 
 /// Finds points of the left image in the right one of a rectified pair.

@@ -1,0 +1,117 @@
+#include "vo_net/disparity_offset.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "vo_net/options_check.hpp"
+
+namespace imslam::vo {
+namespace {
+
+constexpr std::size_t kMaxBlocks = 1000;  // memory does not grow with the sequence
+constexpr double kMinInformation = 1e-9;  // [1/px^2] a frame at rest says nothing
+constexpr int kRounds = 20;
+
+struct Reading {
+  double value;
+  double variance;
+};
+
+double huber_weight(double normalised, double width) {
+  const double size = std::abs(normalised);
+  return size <= width ? 1.0 : width / size;
+}
+
+/// Variance between readings beyond their own, by the method of moments.
+double between_variance(const std::vector<Reading>& readings, const std::vector<double>& weights) {
+  double sum = 0.0;
+  double squares = 0.0;
+  double mean = 0.0;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    const double w = weights[i] / readings[i].variance;
+    sum += w;
+    squares += w * w;
+    mean += w * readings[i].value;
+  }
+  mean /= sum;
+  double q = 0.0;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    q += weights[i] / readings[i].variance * std::pow(readings[i].value - mean, 2);
+  }
+  const double denominator = sum - squares / sum;
+  const double freedom = static_cast<double>(readings.size()) - 1.0;
+  return denominator > 0.0 ? std::max(0.0, (q - freedom) / denominator) : 0.0;
+}
+
+}  // namespace
+
+void DisparityOffsetOptions::describe(Config& config) {
+  config.field("block", block, "frames averaged before the scatter is judged");
+  config.field("prior_sigma", prior_sigma, "size of offsets to expect [px]");
+  config.field("kernel_width", kernel_width, "blocks beyond count less [standard deviations]");
+}
+
+void DisparityOffsetOptions::validate() const {
+  require(block >= 1, "vo.offset.block", block, ">= 1");
+  require(prior_sigma > 0.0, "vo.offset.prior_sigma", prior_sigma, "> 0");
+  require(kernel_width > 0.0, "vo.offset.kernel_width", kernel_width, "> 0");
+}
+
+void DisparityOffsetEstimator::add(const PoseLayerResult& result) {
+  if (!result.valid || !(result.offset_information > kMinInformation)) return;
+  if (frames_per_block_ == 0) frames_per_block_ = options_.block;
+  if (blocks_.empty() || blocks_.back().frames >= frames_per_block_) {
+    if (blocks_.size() == kMaxBlocks) merge_pairs();
+    blocks_.emplace_back();
+  }
+  const double h = result.offset_information;
+  Block& block = blocks_.back();
+  block.information += h;
+  block.weighted += h * result.disparity_offset - result.offset_gradient;
+  ++block.frames;
+  ++frames_;
+}
+
+void DisparityOffsetEstimator::merge_pairs() {
+  std::vector<Block> merged;
+  for (std::size_t i = 0; i + 1 < blocks_.size(); i += 2) {
+    merged.push_back({blocks_[i].information + blocks_[i + 1].information,
+                      blocks_[i].weighted + blocks_[i + 1].weighted,
+                      blocks_[i].frames + blocks_[i + 1].frames});
+  }
+  blocks_ = std::move(merged);
+  frames_per_block_ *= 2;
+}
+
+DisparityOffsetEstimate DisparityOffsetEstimator::estimate() const {
+  DisparityOffsetEstimate estimate;
+  estimate.frames = frames_;
+  const double prior = 1.0 / (options_.prior_sigma * options_.prior_sigma);
+  estimate.sigma_px = options_.prior_sigma;
+  if (blocks_.size() < 2) return estimate;  // scatter cannot be judged
+
+  std::vector<Reading> readings;
+  for (const Block& b : blocks_)
+    readings.push_back({b.weighted / b.information, 1.0 / b.information});
+  std::vector<double> weights(readings.size(), 1.0);
+  for (int round = 0; round < kRounds; ++round) {
+    const double tau2 = between_variance(readings, weights);
+    double information = prior;
+    double weighted = 0.0;
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      const double w = weights[i] / (readings[i].variance + tau2);
+      information += w;
+      weighted += w * readings[i].value;
+    }
+    estimate.offset_px = weighted / information;
+    estimate.sigma_px = std::sqrt(1.0 / information);
+    for (std::size_t i = 0; i < readings.size(); ++i) {
+      const double deviation =
+          (readings[i].value - estimate.offset_px) / std::sqrt(readings[i].variance + tau2);
+      weights[i] = huber_weight(deviation, options_.kernel_width);
+    }
+  }
+  return estimate;
+}
+
+}  // namespace imslam::vo

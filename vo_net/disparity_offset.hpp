@@ -1,0 +1,61 @@
+#pragma once
+
+#include <vector>
+
+#include "slam/base/config.hpp"
+#include "vo_net/pose_layer.hpp"
+
+namespace imslam::vo {
+
+/// The constant offset of measured disparities, measured = true + offset: what is left of the
+/// rectification.
+struct DisparityOffsetEstimate {
+  double offset_px = 0.0;
+  double sigma_px = 1.0;  ///< standard deviation, scatter between scenes included
+  int frames = 0;
+};
+
+struct DisparityOffsetOptions {
+  int block = 10;             ///< [frames] that share a scene, averaged before scatter is judged
+  double prior_sigma = 1.0;   ///< [px] how large offsets are before anything was seen
+  double kernel_width = 2.0;  ///< [standard deviations] blocks beyond count less
+
+  void describe(Config& config);
+  void validate() const;
+};
+
+/// Collects what each frame's pose layer says about the offset.
+///
+/// A frame gives x_i with information h_i (the profile likelihood of solve_pose). Frames of one
+/// scene share errors of matching and of the lens model, which h_i does not know. So frames are
+/// averaged over blocks, and the blocks combined as in a random-effects model,
+///
+///   x_b ~ N(offset, 1/h_b + tau^2),
+///
+/// the variance tau^2 between blocks being estimated by moments (DerSimonian & Laird,
+/// "Meta-analysis in clinical trials", 1986), with Huber weights on the blocks and a prior around
+/// zero.
+class DisparityOffsetEstimator {
+ public:
+  explicit DisparityOffsetEstimator(const DisparityOffsetOptions& options) : options_(options) {}
+
+  /// Results that are not valid count for nothing.
+  void add(const PoseLayerResult& result);
+
+  DisparityOffsetEstimate estimate() const;
+
+ private:
+  struct Block {
+    double information = 0.0;
+    double weighted = 0.0;  ///< sum h_i x_i
+    int frames = 0;
+  };
+  void merge_pairs();
+
+  DisparityOffsetOptions options_;
+  std::vector<Block> blocks_;
+  int frames_per_block_ = 0;
+  int frames_ = 0;
+};
+
+}  // namespace imslam::vo
