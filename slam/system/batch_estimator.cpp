@@ -1,18 +1,27 @@
 #include "slam/system/batch_estimator.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include "imu_net/gyro_alignment.hpp"
+#include "imu_net/static_detector.hpp"
 #include "pgo/pose_velocity_graph.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/time.hpp"
 #include "slam/system/inertial_motions.hpp"
+#include "slam/system/inertial_start.hpp"
 
 namespace imslam::system {
 namespace {
 
-/// Where neither vision nor the IMU measured, the last motion is assumed to go on, this unsurely.
+// Where neither vision nor the IMU measured, the last motion is assumed to go on, this unsurely.
 constexpr double kExtrapolationSigma_m_s = 1.0;
 constexpr double kExtrapolationSigma_rad_s = 0.5;
+
+// Biases that move less than this between two rounds need no new integration.
+constexpr double kGyroBiasSettled = 1e-6;   // [rad/s]
+constexpr double kAccelBiasSettled = 1e-5;  // [m/s^2]
+constexpr double kTimeOffsetSettled_s = 1e-6;
 
 RelativeMotion extrapolated_motion(const Trajectory& chain, std::size_t to) {
   RelativeMotion motion;
@@ -28,72 +37,212 @@ RelativeMotion extrapolated_motion(const Trajectory& chain, std::size_t to) {
   return motion;
 }
 
-void add_motion(const Measurements& measurements,
-                const RelativeMotion& motion,
-                pgo::PoseVelocityGraph& graph) {
-  const auto from = measurements.frame_at(motion.time0_ns);
-  const auto to = measurements.frame_at(motion.time1_ns);
-  if (!from || !to || *from >= *to) return;
-  graph.add_visual_edge(static_cast<int>(*from), static_cast<int>(*to), motion);
-}
-
-void add_vision(const Measurements& measurements,
-                const Estimate& disparity_offset,
-                const SystemOptions& options,
-                pgo::PoseVelocityGraph& graph) {
-  for (const RelativeMotion& motion : measurements.odometry)
-    add_motion(measurements, motion, graph);
-  for (const RelativeMotion& motion : measurements.skips) add_motion(measurements, motion, graph);
-  const double sigma = disparity_offset.sigma.value_or(options.disparity_offset_prior_px);
-  graph.add_disparity_offset_prior(disparity_offset.value, sigma);
-}
-
-pgo::PoseVelocityGraph visual_graph(const Measurements& measurements,
-                                    const OdometryChain& chain,
-                                    const Estimate& disparity_offset,
-                                    const SlamOptions& options) {
-  pgo::PoseVelocityGraph graph(options.pgo);
-  for (std::size_t i = 0; i < chain.trajectory.size(); ++i) {
-    pgo::State state;
-    state.time_ns = chain.trajectory.times_ns[i];
-    state.nav.T_world_body = chain.trajectory.poses[i];
-    graph.add_state(state);
+/// Builds and solves the graph; one object per run.
+class BatchEstimator {
+ public:
+  BatchEstimator(const Measurements& measurements,
+                 const Estimate& disparity_offset,
+                 const SlamOptions& options)
+      : measurements_(measurements),
+        disparity_offset_(disparity_offset),
+        options_(options),
+        chain_(chain_odometry(measurements)) {
+    out_.covered = chain_.covered;
   }
-  graph.anchor_pose(0, lie::SE3d());
-  add_vision(measurements, disparity_offset, options.system, graph);
-  for (std::size_t i = 1; i < chain.trajectory.size(); ++i) {
-    if (!chain.covered[i])
-      add_motion(measurements, extrapolated_motion(chain.trajectory, i), graph);
-  }
-  return graph;
-}
 
-void collect(const pgo::PoseVelocityGraph& graph,
-             const SystemOptions& options,
-             BatchEstimate& out) {
-  out.graph = graph.data();
-  out.disparity_offset_px.value = graph.globals().disparity_offset;
-  if (!options.covariances) return;
-  const auto covariances = graph.covariances();
-  if (!covariances) return;
-  for (const auto& covariance : *covariances) {
-    const double variance = covariance.topLeftCorner<3, 3>().trace();
-    out.position_sigma_m.push_back(static_cast<float>(std::sqrt(std::max(0.0, variance))));
+  BatchEstimate estimate() {
+    if (measurements_.imu.empty() || !estimate_with_imu()) estimate_with_vision();
+    return std::move(out_);
   }
-}
+
+ private:
+  // ---- vision only
+
+  void estimate_with_vision() {
+    std::vector<pgo::State> start(chain_.trajectory.size());
+    for (std::size_t i = 0; i < start.size(); ++i) {
+      start[i].time_ns = chain_.trajectory.times_ns[i];
+      start[i].nav.T_world_body = chain_.trajectory.poses[i];
+    }
+    pgo::GraphOptions graph_options = options_.pgo;
+    graph_options.estimate_disparity_offset = options_.system.estimate_disparity_offset;
+    pgo::PoseVelocityGraph graph = vision_graph(start, graph_options);
+    graph.anchor_pose(0, start.front().nav.T_world_body);
+    for (std::size_t i = 1; i < start.size(); ++i) {
+      if (!chain_.covered[i]) add_motion(extrapolated_motion(chain_.trajectory, i), graph);
+    }
+    out_.report = graph.solve(options_.solver);
+    collect(graph);
+  }
+
+  pgo::PoseVelocityGraph vision_graph(const std::vector<pgo::State>& start,
+                                      const pgo::GraphOptions& graph_options) const {
+    pgo::PoseVelocityGraph graph(graph_options);
+    for (const pgo::State& state : start) graph.add_state(state);
+    for (const RelativeMotion& motion : measurements_.odometry) add_motion(motion, graph);
+    for (const RelativeMotion& motion : measurements_.skips) add_motion(motion, graph);
+    graph.add_disparity_offset_prior(
+        disparity_offset_.value,
+        disparity_offset_.sigma.value_or(options_.system.disparity_offset_prior_px));
+    return graph;
+  }
+
+  void add_motion(const RelativeMotion& motion, pgo::PoseVelocityGraph& graph) const {
+    const auto from = measurements_.frame_at(motion.time0_ns);
+    const auto to = measurements_.frame_at(motion.time1_ns);
+    if (!from || !to || *from >= *to) return;
+    graph.add_visual_edge(static_cast<int>(*from), static_cast<int>(*to), motion);
+  }
+
+  // ---- vision and IMU
+
+  /// False, with a warning, if the IMU cannot be brought into play.
+  bool estimate_with_imu() {
+    align_clock_and_gyro();
+    std::vector<ImuMotion> motions = integrate([this](std::size_t) { return bias_; });
+    const InertialStart start =
+        start_inertial(measurements_, chain_, motions, options_.pgo.gravity_magnitude);
+    if (start.states.empty()) {
+      out_.warnings.push_back("IMU not used: " + start.reason);
+      return false;
+    }
+    std::vector<pgo::State> states = start.states;
+    pgo::Globals globals;
+    globals.time_offset_s = time_offset_s_;
+    globals.disparity_offset = disparity_offset_.value;
+    for (int round = 0; round <= options_.system.relinearisations; ++round) {
+      pgo::PoseVelocityGraph graph = inertial_graph(states, globals, motions);
+      out_.report = graph.solve(options_.solver);
+      const bool settled =
+          bias_change(states, graph) < 1.0 &&
+          std::abs(graph.globals().time_offset_s - globals.time_offset_s) < kTimeOffsetSettled_s;
+      states = graph.states();
+      globals = graph.globals();
+      if (settled || round == options_.system.relinearisations) {
+        collect(graph);
+        out_.time_offset_s = Estimate{globals.time_offset_s, time_offset_sigma_s_};
+        break;
+      }
+      time_offset_s_ = globals.time_offset_s;
+      motions = integrate([&](std::size_t i) { return states[i].bias; });
+    }
+    out_.inertial = true;
+    mark_covered(motions);
+    return true;
+  }
+
+  void align_clock_and_gyro() {
+    imu::GyroAlignmentOptions alignment_options = options_.gyro_alignment;
+    alignment_options.estimate_time_offset = options_.system.estimate_time_offset;
+    const auto alignment = imu::align_gyro(measurements_.odometry, measurements_.imu,
+                                           measurements_.imu_noise, alignment_options);
+    if (!alignment) {
+      out_.warnings.emplace_back("gyro and vision could not be aligned: too few common motions");
+      return;
+    }
+    bias_.gyro = alignment->gyro_bias;
+    time_offset_s_ = alignment->time_offset_s;
+    time_offset_sigma_s_ = std::sqrt(alignment->covariance(3, 3));
+    log::debug("gyro bias {:.5f} {:.5f} {:.5f} rad/s, time offset {:.2f} +- {:.2f} ms",
+               bias_.gyro.x(), bias_.gyro.y(), bias_.gyro.z(), 1e3 * time_offset_s_,
+               1e3 * time_offset_sigma_s_);
+  }
+
+  std::vector<ImuMotion> integrate(const BiasOfFrame& bias) const {
+    return integrate_intervals(measurements_, bias, time_offset_s_, options_.preintegration);
+  }
+
+  pgo::PoseVelocityGraph inertial_graph(const std::vector<pgo::State>& start,
+                                        const pgo::Globals& globals,
+                                        const std::vector<ImuMotion>& motions) const {
+    const SystemOptions& system = options_.system;
+    pgo::GraphOptions graph_options = options_.pgo;
+    graph_options.gyro_random_walk = measurements_.imu_noise.gyro_random_walk;
+    graph_options.accel_random_walk = measurements_.imu_noise.accel_random_walk;
+    graph_options.estimate_disparity_offset = system.estimate_disparity_offset;
+    graph_options.estimate_time_offset = system.estimate_time_offset;
+    pgo::PoseVelocityGraph graph = vision_graph(start, graph_options);
+    graph.set_globals(globals);
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      const auto from = static_cast<int>(i);
+      const bool used = motions[i].valid && graph.add_imu_edge(from, from + 1, motions[i]);
+      if (!used && !chain_.covered[i + 1]) {
+        add_motion(extrapolated_motion(chain_.trajectory, i + 1), graph);
+      }
+    }
+    graph.anchor_position_and_heading(0, start.front().nav.T_world_body);
+    graph.add_bias_prior(0, ImuBias(), system.gyro_bias_prior, system.accel_bias_prior);
+    graph.add_time_offset_prior(0.0, system.time_offset_prior_s);
+    if (system.zero_velocity) hold_still_stretches(motions, graph);
+    return graph;
+  }
+
+  /// Frames where the IMU rests and vision agrees.
+  void hold_still_stretches(const std::vector<ImuMotion>& motions,
+                            pgo::PoseVelocityGraph& graph) const {
+    constexpr std::int64_t kHalfWindow_ns = 250'000'000;
+    const double sigma = options_.system.zero_velocity_sigma;
+    for (const RelativeMotion& motion : measurements_.odometry) {
+      const double dt_s = to_seconds(motion.time1_ns - motion.time0_ns);
+      const bool vision_rests = motion.T_body0_body1.translation().norm() < 5.0 * sigma * dt_s;
+      const auto frame = measurements_.frame_at(motion.time1_ns);
+      if (!vision_rests || !frame || motions.empty()) continue;
+      const auto stillness = imu::assess_stillness(
+          imu::ImuRange(measurements_.imu)
+              .around(motion.time1_ns - kHalfWindow_ns, motion.time1_ns + kHalfWindow_ns),
+          motion.time1_ns - kHalfWindow_ns, motion.time1_ns + kHalfWindow_ns,
+          measurements_.imu_noise, options_.still);
+      if (stillness.still) graph.add_zero_velocity(static_cast<int>(*frame), sigma);
+    }
+  }
+
+  /// Largest change of a bias, in units of what does not matter any more.
+  static double bias_change(const std::vector<pgo::State>& before,
+                            const pgo::PoseVelocityGraph& graph) {
+    double change = 0.0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const ImuBias& now = graph.states()[i].bias;
+      change = std::max(change, (now.gyro - before[i].bias.gyro).norm() / kGyroBiasSettled);
+      change = std::max(change, (now.accel - before[i].bias.accel).norm() / kAccelBiasSettled);
+    }
+    return change;
+  }
+
+  void mark_covered(const std::vector<ImuMotion>& motions) {
+    for (std::size_t i = 0; i < motions.size(); ++i) {
+      if (motions[i].degraded || !motions[i].valid) ++out_.imu_gaps;
+      if (motions[i].valid && !motions[i].degraded) out_.covered[i + 1] = true;
+    }
+  }
+
+  void collect(const pgo::PoseVelocityGraph& graph) {
+    out_.graph = graph.data();
+    out_.disparity_offset_px = {graph.globals().disparity_offset, disparity_offset_.sigma};
+    if (!options_.system.covariances) return;
+    const auto covariances = graph.covariances();
+    if (!covariances) return;
+    for (const auto& covariance : *covariances) {
+      const double variance = covariance.topLeftCorner<3, 3>().trace();
+      out_.position_sigma_m.push_back(static_cast<float>(std::sqrt(std::max(0.0, variance))));
+    }
+  }
+
+  const Measurements& measurements_;
+  const Estimate disparity_offset_;
+  const SlamOptions& options_;
+  OdometryChain chain_;
+  ImuBias bias_;
+  double time_offset_s_ = 0.0;
+  double time_offset_sigma_s_ = 0.0;
+  BatchEstimate out_;
+};
 
 }  // namespace
 
 BatchEstimate estimate_batch(const Measurements& measurements,
                              const Estimate& disparity_offset,
                              const SlamOptions& options) {
-  BatchEstimate out;
-  const OdometryChain chain = chain_odometry(measurements);
-  out.covered = chain.covered;
-  auto graph = visual_graph(measurements, chain, disparity_offset, options);
-  out.report = graph.solve(options.solver);
-  collect(graph, options.system, out);
-  return out;
+  return BatchEstimator(measurements, disparity_offset, options).estimate();
 }
 
 }  // namespace imslam::system
