@@ -1,11 +1,7 @@
 #include "pgo/graph_problem.hpp"
 
-#include <glog/logging.h>
-
 #include <algorithm>
 #include <cmath>
-#include <mutex>
-#include <thread>
 
 #include "slam/base/error.hpp"
 #include "slam/base/time.hpp"
@@ -31,12 +27,6 @@ bool all_finite(const std::vector<std::array<double, kSize>>& blocks) {
   });
 }
 
-/// Ceres speaks through glog; what it has to say is in the SolveReport.
-void silence_ceres() {
-  static std::once_flag once;
-  std::call_once(once, [] { FLAGS_minloglevel = google::GLOG_FATAL; });
-}
-
 }  // namespace
 
 bool has_biases(const GraphData& data) {
@@ -57,7 +47,6 @@ std::unique_ptr<ceres::LossFunction> make_loss(const GraphOptions& options) {
 
 GraphProblem::GraphProblem(const GraphData& data, const GraphOptions& options, BiasWalks walks)
     : options_(options), problem_(std::make_unique<ceres::Problem>(problem_options())) {
-  silence_ceres();
   copy_blocks(data);
   loss_ = make_loss(options);
   add_visual_edges(data);
@@ -240,24 +229,6 @@ bool GraphProblem::store(GraphData& data) const {
   data.globals.disparity_offset = disparity_offset_;
   data.globals.time_offset_s = time_offset_s_;
   return true;
-}
-
-ceres::Solver::Options ceres_options(const SolverOptions& options) {
-  ceres::Solver::Options result;
-  result.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-  result.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
-  result.max_num_iterations = options.max_iterations;
-  result.max_solver_time_in_seconds = 1e12;  // a time limit would make the result depend on load
-  result.function_tolerance = options.function_tolerance;
-  result.gradient_tolerance = options.gradient_tolerance;
-  result.parameter_tolerance = options.parameter_tolerance;
-  result.initial_trust_region_radius = options.initial_trust_region;
-  result.max_trust_region_radius = 1e16;
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  result.num_threads = std::min(options.threads, cores);
-  result.logging_type = ceres::SILENT;
-  result.minimizer_progress_to_stdout = false;
-  return result;
 }
 
 }  // namespace imslam::pgo

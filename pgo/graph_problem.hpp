@@ -81,7 +81,4 @@ bool has_biases(const GraphData& data);
 /// The robust kernel of visual edges; null: none.
 std::unique_ptr<ceres::LossFunction> make_loss(const GraphOptions& options);
 
-/// The options in the words of Ceres.
-ceres::Solver::Options ceres_options(const SolverOptions& options);
-
 }  // namespace imslam::pgo
