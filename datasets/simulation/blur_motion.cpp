@@ -49,16 +49,20 @@ std::vector<Twist> instance_twists(const World& world, const CameraMotion& motio
   return twists;
 }
 
-/// Change of the pixel [px/s] when the direction d changes by d_rate per second.
-Vector2f pixel_rate(const Vector3f& d_column, const Vector3f& d_row, const Vector3f& d_rate) {
-  const float aa = d_column.dot(d_column);
-  const float ab = d_column.dot(d_row);
-  const float bb = d_row.dot(d_row);
-  const float a = d_column.dot(d_rate);
-  const float b = d_row.dot(d_rate);
-  const float determinant = aa * bb - ab * ab;
-  if (determinant < 1e-20F) return Vector2f::Zero();
-  return {(bb * a - ab * b) / determinant, (aa * b - ab * a) / determinant};
+/// Mean radiance along a segment of the image, centred on a pixel.
+float smeared(const View& view, int column, int row, const Vector2f& smear, float length) {
+  const int taps = std::min(kMostTaps, static_cast<int>(std::ceil(length)) + 1);
+  const Vector2f step = smear / static_cast<float>(taps);
+  const float first = -0.5F * static_cast<float>(taps - 1);
+  float x = static_cast<float>(column) + first * step.x();
+  float y = static_cast<float>(row) + first * step.y();
+  float sum = 0.0F;
+  for (int k = 0; k < taps; ++k) {
+    sum += bilinear(view, x, y);
+    x += step.x();
+    y += step.y();
+  }
+  return sum / static_cast<float>(taps);
 }
 
 }  // namespace
@@ -87,26 +91,14 @@ std::vector<float> blur_motion(const View& view,
     const int row = static_cast<int>(at_row);
     for (int column = 0; column < view.width; ++column) {
       const std::size_t at = view.index(row, column);
-      const Vector3f& d = rays.direction(row, column);
       const Twist& twist = twists[view.instance[at]];
       const float nearness = 1.0F / view.distance[at];  // 0 for the sky
-      Vector3f d_rate = twist.omega.cross(d) + nearness * twist.v;
-      d_rate -= d * d.dot(d_rate);
-      const Vector2f smear =
-          exposure * pixel_rate(rays.d_column(row, column), rays.d_row(row, column), d_rate);
+      const Vector3f d_rate =
+          twist.omega.cross(rays.direction(row, column)) + nearness * twist.v;
+      const Vector2f smear = exposure * (rays.J_pixel_direction(row, column) * d_rate);
       const float length = smear.norm();
-      if (!(length > kShortest)) {
-        result[at] = view.radiance[at];
-        continue;
-      }
-      const int taps = std::min(kMostTaps, static_cast<int>(std::ceil(length)) + 1);
-      float sum = 0.0F;
-      for (int k = 0; k < taps; ++k) {
-        const float share = (static_cast<float>(k) + 0.5F) / static_cast<float>(taps) - 0.5F;
-        sum += bilinear(view, static_cast<float>(column) + share * smear.x(),
-                        static_cast<float>(row) + share * smear.y());
-      }
-      result[at] = sum / static_cast<float>(taps);
+      result[at] = length > kShortest ? smeared(view, column, row, smear, length)
+                                      : view.radiance[at];
     }
   });
   return result;

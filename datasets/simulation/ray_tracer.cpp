@@ -112,8 +112,8 @@ void RayTracer::closest(const Eigen::Vector3f& origin,
                         const RayPacket& rays,
                         bool coherent,
                         Hit* hits) const {
-  RTCRayHit8 packet;
-  alignas(32) int valid[RayPacket::kLanes];
+  RTCRayHit16 packet;
+  alignas(64) int valid[RayPacket::kLanes];
   for (std::size_t i = 0; i < RayPacket::kLanes; ++i) {
     valid[i] = i < rays.count ? -1 : 0;
     packet.ray.org_x[i] = origin.x();
@@ -134,7 +134,7 @@ void RayTracer::closest(const Eigen::Vector3f& origin,
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  rtcIntersect8(valid, implementation_->top(), &context, &packet);
+  rtcIntersect16(valid, implementation_->top(), &context, &packet);
   for (std::size_t i = 0; i < rays.count; ++i) {
     const bool found = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
     hits[i] = found ? Hit{packet.hit.instID[0][i], packet.hit.primID[i]} : Hit{};

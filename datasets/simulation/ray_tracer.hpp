@@ -19,12 +19,12 @@ struct Hit {
   bool empty() const { return instance == kNothing; }
 };
 
-/// Eight rays from one place, in lanes; unused lanes are switched off.
+/// Sixteen rays from one place, in lanes; unused lanes are switched off.
 struct RayPacket {
-  static constexpr std::size_t kLanes = 8;
-  alignas(32) float x[kLanes] = {};
-  alignas(32) float y[kLanes] = {};
-  alignas(32) float z[kLanes] = {};
+  static constexpr std::size_t kLanes = 16;
+  alignas(64) float x[kLanes] = {};
+  alignas(64) float y[kLanes] = {};
+  alignas(64) float z[kLanes] = {};
   std::size_t count = 0;  ///< lanes in use
 };
 

@@ -13,6 +13,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kHalfSize = 60.0;     ///< [m] of the wood
+constexpr double kFar = 7.0;           ///< [m] from the path where leaves are too small to see
 constexpr double kFree = 1.1;          ///< [m] around the path that trunks keep clear of
 
 /// Rolling ground that rises towards the edge of the wood and closes the view.
@@ -65,17 +66,19 @@ void plant(Scene& scene,
            Random& random) {
   struct Kind {
     const std::vector<std::size_t>& prototypes;
+    const std::vector<std::size_t>& far_prototypes;  ///< as many as prototypes
     int count;
     double reach;      ///< [m] half size of the area
     double clearance;  ///< [m] from the path
     double smallest;
     double largest;
   };
-  const Kind kinds[] = {{plants.trees, 330, 48.0, kFree + 0.3, 0.7, 1.3},
-                        {plants.bushes, 170, 40.0, kFree + 0.8, 0.5, 1.3},
-                        {plants.stones, 120, 34.0, 0.7, 0.4, 1.3},
-                        {plants.ferns, 700, 34.0, 0.45, 0.5, 1.3},
-                        {plants.logs, 26, 34.0, 1.9, 0.7, 1.2}};
+  const Kind kinds[] = {{plants.broadleaves, plants.far_broadleaves, 170, 48.0, kFree, 0.85, 1.3},
+                        {plants.conifers, plants.far_conifers, 170, 48.0, 3.1, 0.7, 1.3},
+                        {plants.bushes, plants.bushes, 170, 40.0, kFree + 0.8, 0.5, 1.3},
+                        {plants.stones, plants.stones, 120, 34.0, 0.7, 0.4, 1.3},
+                        {plants.ferns, plants.ferns, 700, 34.0, 0.45, 0.5, 1.3},
+                        {plants.logs, plants.logs, 26, 34.0, 1.9, 0.7, 1.2}};
   for (const Kind& kind : kinds) {
     for (int i = 0; i < kind.count; ++i) {
       const double x = random.uniform(-kind.reach, kind.reach);
@@ -83,8 +86,10 @@ void plant(Scene& scene,
       const double yaw = random.uniform(0, 2 * M_PI);
       const double scale = random.uniform(kind.smallest, kind.largest);
       const auto pick = random.integer(0, static_cast<std::int64_t>(kind.prototypes.size()) - 1);
-      if (loop.clearance({x, y}) < kind.clearance * std::max(1.0, scale)) continue;
-      scene.instances.push_back({kind.prototypes[static_cast<std::size_t>(pick)],
+      const double clearance = loop.clearance({x, y});
+      if (clearance < kind.clearance * std::max(1.0, scale)) continue;
+      const auto& choice = clearance > kFar ? kind.far_prototypes : kind.prototypes;
+      scene.instances.push_back({choice[static_cast<std::size_t>(pick)],
                                  upright(x, y, ground(x, y) - 0.04, yaw), scale, {}});
     }
   }

@@ -131,7 +131,7 @@ void furnish(Scene& scene,
         if (what < 0.4) {
           const double scale = random.uniform(0.55, 0.8);
           const double yaw = random.uniform(0, 2 * M_PI);
-          scene.instances.push_back({plants.trees[what < 0.2 ? 0 : 2],
+          scene.instances.push_back({plants.broadleaves[what < 0.2 ? 0 : 1],
                                      place * upright(0, 0, 0, yaw), scale, {}});
         } else {
           add_street_furniture(scene.fixed, place, paints, random);

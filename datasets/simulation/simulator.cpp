@@ -94,7 +94,8 @@ class Simulator::Implementation {
   void add_flow(double flow_to_s, const lie::SE3d& T_world_left0, SimulatedFrame& frame) const {
     const lie::SE3d T_world_left1 = motion_.at(flow_to_s).T_world_body * rig_.T_body_left;
     Flow flow =
-        flow_of(view_, world_, rig_.left, T_world_left0, T_world_left1, frame.time_s, flow_to_s);
+        flow_of(view_, world_, left_rays_, rig_.left, T_world_left0, T_world_left1, frame.time_s,
+                flow_to_s);
     frame.flow = std::move(flow.displacement);
     frame.flow_valid = std::move(flow.valid);
   }

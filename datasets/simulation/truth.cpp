@@ -22,6 +22,7 @@ std::vector<float> depth_of(const View& view, const RayTable& rays) {
 
 Flow flow_of(const View& view,
              const World& world,
+             const RayTable& rays,
              const Lens& lens,
              const lie::SE3d& T_world_camera0,
              const lie::SE3d& T_world_camera1,
@@ -43,9 +44,8 @@ Flow flow_of(const View& view,
       const std::size_t at = view.index(row, column);
       const Eigen::Vector2d pixel0(column, row);
       const Eigen::Matrix4d& T = motions[view.instance[at]];
-      // The sky is infinitely far: only the rotation moves it. Double directions, because the
-      // table's floats would cost hundredths of a pixel in long focal lengths.
-      Eigen::Vector3d p = T.topLeftCorner<3, 3>() * lens.direction(pixel0);
+      // The sky is infinitely far: only the rotation moves it.
+      Eigen::Vector3d p = T.topLeftCorner<3, 3>() * rays.exact_direction(row, column);
       if (std::isfinite(view.distance[at])) {
         p = static_cast<double>(view.distance[at]) * p + T.topRightCorner<3, 1>();
       }

@@ -18,6 +18,7 @@ struct Flow {
 /// Where the points seen at t0 are in the same camera's image at t1, minus where they were.
 Flow flow_of(const View& view,
              const World& world,
+             const RayTable& rays,
              const Lens& lens,
              const lie::SE3d& T_world_camera0,
              const lie::SE3d& T_world_camera1,

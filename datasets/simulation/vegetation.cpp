@@ -10,11 +10,18 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double kFarShare = 0.22;
+
 struct Leafage {
   Paint paint;
   double length;  ///< [m]
   double slim;    ///< width over length
+  double share = 1.0;  ///< of the full number of leaves; fewer ones are larger
 };
+
+int leaf_count(const Leafage& leafage, int full) {
+  return std::max(3, static_cast<int>(leafage.share * full));
+}
 
 void add_leaf_at(Mesh& mesh,
                  const Vector3d& place,
@@ -23,7 +30,7 @@ void add_leaf_at(Mesh& mesh,
                  Random& random) {
   const Vector3d direction = (outwards.normalized() + 0.8 * random.normal3()).normalized();
   const Vector3d side = direction.cross(random.normal3()).normalized();
-  const double length = leafage.length * random.uniform(0.6, 1.4);
+  const double length = leafage.length * random.uniform(0.6, 1.4) / std::sqrt(leafage.share);
   Paint paint = leafage.paint;
   const double u = random.uniform();
   const double v = random.uniform();
@@ -41,8 +48,8 @@ void add_bough(Mesh& mesh,
                const Leafage& leafage,
                Random& random) {
   mesh.add_tube(from, to, radius, 0.25 * radius, 5, bark, 2.0);
-  const double spread = 0.16 * (to - from).norm();
-  for (int i = 0; i < leaves; ++i) {
+  const double spread = 0.1 * (to - from).norm();
+  for (int i = 0; i < leaf_count(leafage, leaves); ++i) {
     const double along = 0.3 + 0.75 * std::sqrt(random.uniform());
     const Vector3d off = spread * random.normal3();
     add_leaf_at(mesh, from + along * (to - from) + off, off + 0.3 * (to - from), leafage, random);
@@ -58,7 +65,7 @@ Mesh broadleaf(const Paint& bark, const Leafage& leafage, Random& random) {
   mesh.add_tube(0.35 * lean, height * lean, 1.05 * radius, 0.35 * radius, 12, bark, 0.8);
   const int boughs = static_cast<int>(random.integer(11, 15));
   for (int i = 0; i < boughs; ++i) {
-    const double z = height * random.uniform(0.28, 0.97);
+    const double z = height * random.uniform(0.42, 0.97);
     const double azimuth = 2.4 * i + random.uniform(-0.4, 0.4);
     const double rise = random.uniform(0.1, 0.8);
     const double length = random.uniform(1.2, 2.8) * (1.2 - 0.6 * z / height);
@@ -77,7 +84,7 @@ Mesh conifer(const Paint& bark, const Leafage& leafage, Random& random) {
   const int whorls = static_cast<int>(random.integer(9, 13));
   for (int k = 0; k < whorls; ++k) {
     const double share = (k + 1.0) / (whorls + 1.0);
-    const double z = height * (0.16 + 0.82 * share);
+    const double z = height * (0.2 + 0.78 * share);
     const double length = 2.3 * (1.05 - share);
     for (int i = 0; i < 5; ++i) {
       const double azimuth = 2 * M_PI * (i + 0.37 * k) / 5 + random.uniform(-0.2, 0.2);
@@ -156,8 +163,10 @@ Vegetation grow_vegetation(Scene& scene, TextureBank& bank, Random& random) {
   }
   const Paint rock = scene.paint(bank, Material::kRock, 0.9, random);
   for (std::size_t i = 0; i < 3; ++i) {
-    add(plants.trees, broadleaf(barks[i], {leaves[i], 0.2, 0.55}, random));
-    add(plants.trees, conifer(barks[2 - i], {leaves[2 - i], 0.34, 0.3}, random));
+    add(plants.broadleaves, broadleaf(barks[i], {leaves[i], 0.2, 0.55}, random));
+    add(plants.conifers, conifer(barks[2 - i], {leaves[2 - i], 0.34, 0.3}, random));
+    add(plants.far_broadleaves, broadleaf(barks[i], {leaves[i], 0.2, 0.65, kFarShare}, random));
+    add(plants.far_conifers, conifer(barks[2 - i], {leaves[2 - i], 0.34, 0.4, kFarShare}, random));
     add(plants.bushes, bush({leaves[i], 0.17, 0.5}, random));
     add(plants.ferns, fern({leaves[i], 0.2, 0.3}, random));
     add(plants.stones, stone(rock, random));

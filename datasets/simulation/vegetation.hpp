@@ -10,7 +10,10 @@ namespace imslam::simulation {
 /// Prototypes of things that grow or lie in a wood, as indices in scene.prototypes. They stand on
 /// z = 0 at their origin and are of natural size.
 struct Vegetation {
-  std::vector<std::size_t> trees;
+  std::vector<std::size_t> broadleaves;      ///< crown above 2.9 m
+  std::vector<std::size_t> conifers;         ///< boughs down to 1.5 m, reaching out 2.5 m
+  std::vector<std::size_t> far_broadleaves;  ///< the same kinds with fewer, larger leaves
+  std::vector<std::size_t> far_conifers;
   std::vector<std::size_t> bushes;
   std::vector<std::size_t> ferns;
   std::vector<std::size_t> stones;
