@@ -11,6 +11,7 @@ namespace imslam::datasets {
 namespace {
 
 constexpr double kMaxOrthonormalityError = 1e-3;
+constexpr double kMaxTangential = 0.1;  // real lenses stay below 0.02
 constexpr double kMaxLeverArm_m = 100.0;
 constexpr int kMaxSide = 1 << 15;  // the fixed-point remap maps of OpenCV end here
 
@@ -25,6 +26,16 @@ bool coefficient_count_fits(const RawCamera& camera) {
       break;
   }
   return count == 4;
+}
+
+void check_tangential(const RawCamera& camera) {
+  if (camera.lens != LensModel::kRadialTangential) return;
+  const double p = std::max(std::abs(camera.distortion[2]), std::abs(camera.distortion[3]));
+  if (p > kMaxTangential) {
+    fail_calibration(camera.where, fmt::format("tangential distortion of {:.3g} is impossible; the "
+                                               "order of the coefficients is k1 k2 p1 p2 (k3 ...)",
+                                               p));
+  }
 }
 
 }  // namespace
@@ -75,6 +86,7 @@ void validate(const RawCamera& camera) {
                                         "4, 5 or 8 (k1 k2 p1 p2 ...), equidistant 4",
                                         camera.distortion.size()));
   }
+  check_tangential(camera);
 }
 
 lie::SE3d rigid_motion(const Eigen::Matrix4d& M, const std::string& where) {

@@ -5,11 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/recording.hpp"
+
 namespace imslam::datasets {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
 constexpr double kClearDisparity = 1.0;  // [px] beyond noise
+constexpr double kRectified = 3.0;       // [px] rows of a pair that belongs together
 constexpr std::size_t kMinMatches = 60;
 
 double median_of(std::vector<double> values) {
@@ -24,28 +27,37 @@ std::vector<double> magnitudes(std::vector<double> values) {
   return values;
 }
 
-/// Matches whose rows agree: what exchanged images have as well as right ones.
-struct DisparitySigns {
-  std::size_t positive = 0;
+/// How the stereo matches of some frames lie.
+struct MatchStatistics {
+  double row_difference = 0.0;  ///< [px] median magnitude
+  std::size_t positive = 0;     ///< clear disparities of either sign
   std::size_t negative = 0;
 
-  void add(double disparity, double row_difference) {
-    if (std::abs(row_difference) > 3.0) return;
-    positive += disparity > kClearDisparity ? 1 : 0;
-    negative += disparity < -kClearDisparity ? 1 : 0;
-  }
-  bool exchanged() const { return positive + negative >= kMinMatches && negative > 2 * positive; }
+  bool enough() const { return positive + negative >= kMinMatches; }
+  bool in_order() const { return row_difference < kRectified && positive > 2 * negative; }
+  bool reversed() const { return row_difference < kRectified && negative > 2 * positive; }
 };
 
-Finding exchanged_finding(const DisparitySigns& signs) {
-  return {Severity::kError,
-          "",
-          0,
-          fmt::format("left and right are exchanged: {} of {} stereo matches lie further right in "
-                      "the right image",
-                      signs.negative, signs.negative + signs.positive),
-          "swap the two image folders (or the two calibrations)",
-          ExitCode::kCalibration};
+/// Of the first `frames` complete frames that `read` gives.
+template <typename Read>
+MatchStatistics match_statistics(const Read& read, std::size_t count, std::size_t frames) {
+  MatchStatistics statistics;
+  std::vector<double> rows;
+  const std::size_t end = std::min(count, 5 * frames);  // some may be damaged
+  for (std::size_t i = 0, seen = 0; i < end && seen < frames; ++i) {
+    const StereoFrame frame = read(i);
+    if (!frame.complete()) continue;
+    ++seen;
+    const StereoMatches matches = match_stereo(frame.left, frame.right);
+    for (std::size_t k = 0; k < matches.left.size(); ++k) {
+      const Eigen::Vector2d difference = matches.left[k] - matches.right[k];
+      rows.push_back(std::abs(difference.y()));
+      statistics.positive += difference.x() > kClearDisparity ? 1 : 0;
+      statistics.negative += difference.x() < -kClearDisparity ? 1 : 0;
+    }
+  }
+  statistics.row_difference = median_of(rows);
+  return statistics;
 }
 
 void check_rows(const VisualProbe& probe, Findings& findings) {
@@ -82,31 +94,42 @@ void report_fit(const RotationComparison& fit, const lie::SO3d& R_body_left, Fin
 }  // namespace
 
 std::optional<Finding> check_stereo_order(Sequence& sequence, std::size_t frames) {
-  DisparitySigns signs;
-  std::size_t seen = 0;
-  const std::size_t end = std::min(sequence.frame_count(), 5 * frames);  // some may be damaged
-  for (std::size_t i = 0; i < end && seen < frames; ++i) {
-    const StereoFrame frame = sequence.read_frame(i);
-    if (!frame.complete()) continue;
-    ++seen;
-    const StereoMatches matches = match_stereo(frame.left, frame.right);
-    for (std::size_t k = 0; k < matches.left.size(); ++k) {
-      const Eigen::Vector2d difference = matches.left[k] - matches.right[k];
-      signs.add(difference.x(), difference.y());
-    }
+  const std::size_t count = sequence.frame_count();
+  const auto given =
+      match_statistics([&](std::size_t i) { return sequence.read_frame(i); }, count, frames);
+  if (!given.enough() || given.in_order()) return std::nullopt;
+  // Raw images that are rectified with each other's maps can have any disparity: only the other
+  // order tells.
+  bool exchanged = given.reversed();
+  if (auto* recorded = dynamic_cast<ExchangeableSequence*>(&sequence)) {
+    const auto other = match_statistics(
+        [&](std::size_t i) { return recorded->read_exchanged_frame(i); }, count, frames);
+    exchanged = other.enough() && other.in_order();
   }
-  return signs.exchanged() ? std::optional(exchanged_finding(signs)) : std::nullopt;
+  if (!exchanged) return std::nullopt;
+  return Finding{
+      Severity::kError,
+      "",
+      0,
+      fmt::format("left and right are exchanged: rows of stereo matches differ by {:.1f} "
+                  "px with {:.0f} % of the disparities positive; exchanged, they fit",
+                  given.row_difference,
+                  100.0 * static_cast<double>(given.positive) /
+                      static_cast<double>(given.positive + given.negative)),
+      "swap the two image folders (or the two calibrations)",
+      ExitCode::kCalibration};
 }
 
 void check_vision(Sequence& sequence, int frames, Findings& findings) {
   const auto order = check_stereo_order(sequence);
   if (order) findings.add(*order);
+  auto* const recorded = dynamic_cast<ExchangeableSequence*>(&sequence);
   VisualProbe probe(sequence.camera());
   const auto end = std::min(sequence.frame_count(), static_cast<std::size_t>(frames));
   for (std::size_t i = 0; i < end; ++i) {
-    StereoFrame frame = sequence.read_frame(i);
-    if (order) std::swap(frame.left, frame.right);  // the rest can be checked all the same
-    probe.add(frame);
+    // With the images the right way round the rest can be checked all the same.
+    probe.add(order && recorded != nullptr ? recorded->read_exchanged_frame(i)
+                                           : sequence.read_frame(i));
   }
   if (probe.row_differences().size() < kMinMatches) {
     findings.warn(
@@ -164,7 +187,7 @@ void judge_rotations(const RotationComparison& fit,
         std::abs(fit.scale * kDegrees - 1.0) < 0.3
             ? "it is in degrees per second; convert it to radians"
             : "check the gyro's unit");
-  } else if (fit.correlation > 0.8 && std::abs(fit.scale - 1.0) > 0.1) {
+  } else if (fit.correlation > 0.8 && std::abs(fit.scale - 1.0) > 0.08) {
     findings.warn(
         fmt::format("the images turn {:.2f} times as fast as the gyro", fit.scale),
         fmt::format("the focal length seems to be wrong by about {:+.0f} %, or the gyro's "

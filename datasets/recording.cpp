@@ -10,7 +10,7 @@
 namespace imslam::datasets {
 namespace {
 
-class RecordedSequence final : public Sequence {
+class RecordedSequence final : public ExchangeableSequence {
  public:
   explicit RecordedSequence(Recording recording)
       : recording_(std::move(recording)),
@@ -38,18 +38,29 @@ class RecordedSequence final : public Sequence {
     DecodedImage left = decode(recording_.left_folder, pair.left);
     DecodedImage right = decode(recording_.right_folder, pair.right);
     log_faults(index, left.fault, right.fault);
-    StereoFrame frame;
-    frame.index = index;
-    frame.time_ns = pair.time_ns;
-    frame.left = recording_.rectifier.left(std::move(left.image));
-    frame.right = recording_.rectifier.right(std::move(right.image));
-    return frame;
+    return rectify(index, std::move(left.image), std::move(right.image));
+  }
+
+  StereoFrame read_exchanged_frame(std::size_t index) override {
+    expects(index < recording_.frames.size(), "read_exchanged_frame: index beyond the sequence");
+    const FramePair& pair = recording_.frames[index];
+    return rectify(index, decode(recording_.right_folder, pair.right).image,
+                   decode(recording_.left_folder, pair.left).image);
   }
 
  private:
   void make_left_camera_the_body() {
     recording_.T_body_truth = camera_.T_body_left.inverse() * recording_.T_body_truth;
     camera_.T_body_left = lie::SE3d();
+  }
+
+  StereoFrame rectify(std::size_t index, GrayImage left, GrayImage right) const {
+    StereoFrame frame;
+    frame.index = index;
+    frame.time_ns = recording_.frames[index].time_ns;
+    frame.left = recording_.rectifier.left(std::move(left));
+    frame.right = recording_.rectifier.right(std::move(right));
+    return frame;
   }
 
   DecodedImage decode(const std::filesystem::path& folder, const std::string& file) {

@@ -35,6 +35,13 @@ struct Recording {
   std::vector<std::filesystem::path> input_files;
 };
 
+/// A sequence that can also show its pairs the other way round: the files of the right camera taken
+/// as left images, before rectification.
+class ExchangeableSequence : public Sequence {
+ public:
+  virtual StereoFrame read_exchanged_frame(std::size_t index) = 0;
+};
+
 /// Finds out the format (see open_sequence()) and what is in the folder.
 Recording read_recording(const std::filesystem::path& folder, const std::string& format);
 

@@ -148,6 +148,32 @@ std::vector<bool> inliers(const Pairs& pairs, const Eigen::Matrix3d& R, std::siz
   return used;
 }
 
+/// Vision over gyro, over sums of kWindow adjacent intervals: recorders that interpolate or filter
+/// the gyro flatten its fast part, which must not look like a wrong focal length.
+double scale_of(const Pairs& pairs,
+                const std::vector<VisualRotation>& vision,
+                const Eigen::Matrix3d& R) {
+  constexpr Eigen::Index kWindow = 5;
+  double product = 0.0;
+  double square = 0.0;
+  for (Eigen::Index i = 0; i + kWindow <= pairs.vision.cols(); ++i) {
+    bool adjacent = true;
+    for (Eigen::Index k = i + 1; k < i + kWindow; ++k) {
+      const auto here = pairs.index[static_cast<std::size_t>(k)];
+      const auto before = pairs.index[static_cast<std::size_t>(k - 1)];
+      adjacent = adjacent && vision[here].time0_ns == vision[before].time1_ns;
+    }
+    if (!adjacent) continue;
+    const Eigen::Vector3d v = pairs.vision.middleCols<kWindow>(i).rowwise().sum();
+    const Eigen::Vector3d g = R * pairs.gyro.middleCols<kWindow>(i).rowwise().sum();
+    product += v.dot(g);
+    square += g.squaredNorm();
+  }
+  if (square > 0.0) return product / square;
+  return pairs.vision.cwiseProduct(R * pairs.gyro).sum() /
+         std::max(1e-12, pairs.gyro.squaredNorm());
+}
+
 }  // namespace
 
 RotationComparison compare_rotations(const std::vector<VisualRotation>& vision,
@@ -189,8 +215,7 @@ RotationComparison compare_rotations(const std::vector<VisualRotation>& vision,
   result.correlation = peak.value;
   result.calibrated = calibrated(R_body_left.inverse());
   result.inverted = calibrated(R_body_left);
-  result.scale =
-      pairs.vision.cwiseProduct(R * pairs.gyro).sum() / std::max(1e-12, pairs.gyro.squaredNorm());
+  result.scale = scale_of(pairs, vision, R);
   result.planarity = axes.singularValues()(1) / std::max(1e-12, axes.singularValues()(0));
   result.R_left_body = lie::SO3d::from_matrix(R);
   result.valid = result.angle_rad > kMinAngle_rad && result.correlation > 0.5;

@@ -11,6 +11,8 @@
 namespace imslam::datasets {
 namespace {
 
+constexpr int kCorners = 200;
+constexpr int kLevels = 5;  ///< of the pyramid: disparities of 100 px and more occur
 constexpr int kMinInliers = 15;
 constexpr double kMinDisparity = 0.5;  ///< [px] beyond it a point only tells rotation
 
@@ -26,11 +28,23 @@ cv::Point2f to_cv(const Eigen::Vector2d& p) {
   return {static_cast<float>(p.x()), static_cast<float>(p.y())};
 }
 
+}  // namespace
+
+struct ProbePyramid {
+  std::vector<cv::Mat> levels;
+
+  explicit ProbePyramid(const GrayImage& image) {
+    cv::buildOpticalFlowPyramid(as_mat(image), levels, kWindow, kLevels, true,
+                                cv::BORDER_REFLECT_101, cv::BORDER_CONSTANT, false);
+  }
+};
+
+namespace {
+
 /// Points found there and back again within half a pixel; status per point.
-std::vector<bool> flow_both_ways(const cv::Mat& from,
-                                 const cv::Mat& to,
+std::vector<bool> flow_both_ways(const ProbePyramid& from,
+                                 const ProbePyramid& to,
                                  const std::vector<cv::Point2f>& points,
-                                 int levels,
                                  std::vector<cv::Point2f>& found) {
   std::vector<bool> good(points.size(), false);
   if (points.empty()) return good;
@@ -38,8 +52,10 @@ std::vector<bool> flow_both_ways(const cv::Mat& from,
   std::vector<std::uint8_t> there_ok;
   std::vector<std::uint8_t> back_ok;
   std::vector<float> error;
-  cv::calcOpticalFlowPyrLK(from, to, points, found, there_ok, error, kWindow, levels, kStop);
-  cv::calcOpticalFlowPyrLK(to, from, found, back, back_ok, error, kWindow, levels, kStop);
+  cv::calcOpticalFlowPyrLK(from.levels, to.levels, points, found, there_ok, error, kWindow, kLevels,
+                           kStop);
+  cv::calcOpticalFlowPyrLK(to.levels, from.levels, found, back, back_ok, error, kWindow, kLevels,
+                           kStop);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const cv::Point2f miss = back[i] - points[i];
     good[i] = there_ok[i] != 0 && back_ok[i] != 0 && std::hypot(miss.x, miss.y) < 0.5F;
@@ -47,16 +63,16 @@ std::vector<bool> flow_both_ways(const cv::Mat& from,
   return good;
 }
 
-}  // namespace
-
-StereoMatches match_stereo(const GrayImage& left, const GrayImage& right, int max_corners) {
+StereoMatches match(const GrayImage& left,
+                    const ProbePyramid& left_pyramid,
+                    const ProbePyramid& right_pyramid,
+                    int max_corners) {
   StereoMatches matches;
-  if (left.empty() || right.empty()) return matches;
   std::vector<cv::Point2f> corners;
   const double spacing = std::sqrt(static_cast<double>(left.width) * left.height / max_corners);
   cv::goodFeaturesToTrack(as_mat(left), corners, max_corners, 0.005, 0.6 * spacing);
   std::vector<cv::Point2f> found;
-  const auto good = flow_both_ways(as_mat(left), as_mat(right), corners, 5, found);
+  const auto good = flow_both_ways(left_pyramid, right_pyramid, corners, found);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (!good[i]) continue;
     matches.left.emplace_back(corners[i].x, corners[i].y);
@@ -65,21 +81,33 @@ StereoMatches match_stereo(const GrayImage& left, const GrayImage& right, int ma
   return matches;
 }
 
+}  // namespace
+
+StereoMatches match_stereo(const GrayImage& left, const GrayImage& right, int max_corners) {
+  if (left.empty() || right.empty()) return {};
+  return match(left, ProbePyramid(left), ProbePyramid(right), max_corners);
+}
+
+VisualProbe::VisualProbe(const StereoCamera& camera) : camera_(camera) {}
+VisualProbe::~VisualProbe() = default;
+
 void VisualProbe::add(const StereoFrame& frame) {
   if (!frame.complete()) {
-    previous_ = StereoFrame();
+    pyramid_.reset();
     return;
   }
-  if (previous_.complete()) track(frame);
-  matches_ = match_stereo(frame.left, frame.right);
+  auto pyramid = std::make_unique<ProbePyramid>(frame.left);
+  if (pyramid_) track(*pyramid, frame.time_ns);
+  matches_ = match(frame.left, *pyramid, ProbePyramid(frame.right), kCorners);
   for (std::size_t i = 0; i < matches_.left.size(); ++i) {
     disparities_.push_back(matches_.left[i].x() - matches_.right[i].x());
     row_differences_.push_back(matches_.left[i].y() - matches_.right[i].y());
   }
-  previous_ = frame;
+  pyramid_ = std::move(pyramid);
+  time_ns_ = frame.time_ns;
 }
 
-void VisualProbe::track(const StereoFrame& frame) {
+void VisualProbe::track(const ProbePyramid& next, std::int64_t time_ns) {
   std::vector<cv::Point2f> before;
   std::vector<cv::Point3f> points;
   for (std::size_t i = 0; i < matches_.left.size(); ++i) {
@@ -92,7 +120,7 @@ void VisualProbe::track(const StereoFrame& frame) {
                         static_cast<float>(X.z()));
   }
   std::vector<cv::Point2f> after;
-  const auto good = flow_both_ways(as_mat(previous_.left), as_mat(frame.left), before, 4, after);
+  const auto good = flow_both_ways(*pyramid_, next, before, after);
   std::vector<cv::Point3f> X;
   std::vector<cv::Point2f> x;
   for (std::size_t i = 0; i < good.size(); ++i) {
@@ -110,8 +138,8 @@ void VisualProbe::track(const StereoFrame& frame) {
   const Eigen::Vector3d t_left1_left0(t[0], t[1], t[2]);
   if (!t_left1_left0.allFinite()) return;
   VisualRotation rotation;
-  rotation.time0_ns = previous_.time_ns;
-  rotation.time1_ns = frame.time_ns;
+  rotation.time0_ns = time_ns_;
+  rotation.time1_ns = time_ns;
   rotation.log_left0_left1 = R_left1_left0.inverse().log();
   rotation.t_left0_left1 = -(R_left1_left0.inverse() * t_left1_left0);
   rotations_.push_back(rotation);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "slam/sensors/calibration.hpp"
@@ -26,11 +27,16 @@ struct VisualRotation {
   Eigen::Vector3d t_left0_left1 = Eigen::Vector3d::Zero();    ///< [m], coarse
 };
 
+struct ProbePyramid;
+
 /// A coarse stereo odometry for checks only: corners, Lucas-Kanade, PnP with RANSAC. Independent of
 /// the front end, so that it can disagree with it.
 class VisualProbe {
  public:
-  explicit VisualProbe(const StereoCamera& camera) : camera_(camera) {}
+  explicit VisualProbe(const StereoCamera& camera);
+  ~VisualProbe();
+  VisualProbe(const VisualProbe&) = delete;
+  VisualProbe& operator=(const VisualProbe&) = delete;
 
   /// Frames in order; incomplete ones interrupt the chain.
   void add(const StereoFrame& frame);
@@ -40,11 +46,12 @@ class VisualProbe {
   const std::vector<double>& row_differences() const { return row_differences_; }  ///< [px]
 
  private:
-  void track(const StereoFrame& frame);
+  void track(const ProbePyramid& next, std::int64_t time_ns);
 
   StereoCamera camera_;
-  StereoFrame previous_;
-  StereoMatches matches_;  ///< of the previous frame
+  std::unique_ptr<ProbePyramid> pyramid_;  ///< of the previous left image
+  std::int64_t time_ns_ = 0;               ///< of the previous frame
+  StereoMatches matches_;                  ///< of the previous frame
   std::vector<VisualRotation> rotations_;
   std::vector<double> disparities_;
   std::vector<double> row_differences_;

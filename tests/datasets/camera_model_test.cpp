@@ -43,6 +43,7 @@ TEST(ValidateCamera, RefusesImpossibleNumbers) {
   refuse([](RawCamera& c) { c.fx = 1.0; }, "focal length 1 ");
   refuse([](RawCamera& c) { c.fx = 200; }, "differ too much");
   refuse([](RawCamera& c) { c.cx = 800; }, "principal point");
+  refuse([](RawCamera& c) { c.distortion = {1e-4, 2e-5, -0.28, 0.07}; }, "k1 k2 p1 p2");
   refuse([](RawCamera& c) { c.distortion = {0, 0, 0}; }, "3 distortion coefficients");
   refuse([](RawCamera& c) { c.lens = LensModel::kEquidistant, c.distortion.resize(5); },
          "5 distortion coefficients");

@@ -302,6 +302,23 @@ TEST(CheckExcerpt, NamesTheGapOfTheEurocExcerpt) {
                  "gap of 100 ms between frames 162 and 163");
 }
 
+TEST(CheckExcerpt, SeesExchangedRawImagesThatRectificationShiftsAnywhere) {
+  const fs::path folder = imslam::testing::test_data() / "euroc_mh01_excerpt" / "mav0";
+  IMSLAM_NEEDS(folder);
+  const TempDir dir;
+  for (const std::string camera : {"cam0", "cam1"}) {
+    fs::create_directories(dir.path() / "mav0" / camera);
+    for (const char* file : {"data.csv", "sensor.yaml"}) {
+      fs::copy(folder / camera / file, dir.path() / "mav0" / camera / file);
+    }
+    const std::string other = camera == "cam0" ? "cam1" : "cam0";
+    fs::create_directory_symlink(fs::absolute(folder) / other / "data",
+                                 dir.path() / "mav0" / camera / "data");
+  }
+  EXPECT_TRUE(check_stereo_order(*open_sequence(dir.path())));
+  EXPECT_FALSE(check_stereo_order(*open_sequence(folder)));
+}
+
 TEST(CheckExcerpt, SeesTheExchangedCamerasOfARealDrive) {
   const fs::path folder = imslam::testing::test_data() / "kitti_00_excerpt" / "sequences" / "00";
   IMSLAM_NEEDS(folder);
