@@ -163,7 +163,11 @@ std::vector<Finding> check_sequence(const std::filesystem::path& folder,
                                     const CheckOptions& options) {
   options.validate();
   Findings findings;
-  check_files(folder, findings);
+  try {
+    check_files(folder, findings);
+  } catch (const std::filesystem::filesystem_error&) {
+    // Opening it, next, says what is wrong with the folder.
+  }
   try {
     check_recording(folder, options, findings);
   } catch (const InputError& error) {

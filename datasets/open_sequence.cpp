@@ -62,9 +62,7 @@ const Format& format_of(const std::filesystem::path& folder) {
                   folder.string(), looked_for));
 }
 
-}  // namespace
-
-Recording read_recording(const std::filesystem::path& folder, const std::string& format) {
+Recording read_existing(const std::filesystem::path& folder, const std::string& format) {
   if (format != "auto") format_named(format);
   // KITTI raw drives may be named by their odometry number, which is no folder.
   if (!std::filesystem::is_directory(folder) && !looks_like_kitti_raw(folder)) {
@@ -74,6 +72,18 @@ Recording read_recording(const std::filesystem::path& folder, const std::string&
   }
   const Format& chosen = format == "auto" ? format_of(folder) : format_named(format);
   return chosen.read(folder);
+}
+
+}  // namespace
+
+Recording read_recording(const std::filesystem::path& folder, const std::string& format) {
+  try {
+    return read_existing(folder, format);
+  } catch (const std::filesystem::filesystem_error& error) {
+    // Links in a circle, folders without permission, broken disks.
+    throw InputError(fmt::format("{}: cannot be read ({}); check links and permissions",
+                                 error.path1().string(), error.code().message()));
+  }
 }
 
 std::unique_ptr<Sequence> open_sequence(const std::filesystem::path& folder,

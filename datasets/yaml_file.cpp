@@ -100,6 +100,11 @@ Eigen::Matrix4d YamlValue::matrix4() const {
 }
 
 YamlValue load_yaml(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_regular_file(file, ignored)) {
+    throw InputError(file.string() + ": not a regular file; give the YAML file itself",
+                     ExitCode::kCalibration);  // a pipe could block for ever
+  }
   std::string text;
   try {
     text = read_file(file, kMaxYamlBytes);

@@ -1,6 +1,7 @@
 #include "datasets/plain.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "datasets/frame_reader.hpp"
 #include "datasets/open_sequence.hpp"
@@ -141,6 +142,18 @@ TEST(OpenSequence, SaysWhatItLookedFor) {
                      {"is a file"});
   expect_input_error([&] { open_sequence(dir.path(), "eurock"); }, ExitCode::kUsage,
                      {"unknown dataset format", "did you mean euroc?"});
+}
+
+TEST(OpenSequence, RefusesLinksInACircleAndPipes) {
+  const TempDir dir;
+  fs::create_directories(dir.path() / "a");
+  fs::create_symlink(dir.path() / "a" / "mav0", dir.path() / "a" / "mav0");
+  expect_input_error([&] { open_sequence(dir.path() / "a"); }, ExitCode::kData, {"mav0"});
+  fs::create_directories(dir.path() / "b" / "left");
+  fs::create_directories(dir.path() / "b" / "right");
+  ASSERT_EQ(::mkfifo((dir.path() / "b" / "calib.yaml").c_str(), 0600), 0);
+  expect_input_error([&] { open_sequence(dir.path() / "b"); }, ExitCode::kCalibration,
+                     {"calib.yaml", "not a regular file"});
 }
 
 TEST(OpenSequence, TakesFolderNamesWithBlanksUmlautsAndNewlines) {
