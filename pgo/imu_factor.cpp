@@ -50,10 +50,10 @@ ImuFactor::Vector9 ImuFactor::residual(const Point& at) const {
   Vector9 e;
   e << (dR.inverse() * (R0_inverse * at.T_world_body1.rotation())).log(), dv - corrected.dv,
       dp - corrected.dp;
-  return sqrt_information_.triangularView<Eigen::Lower>() * e;
+  return sqrt_information_.lazyProduct(e);
 }
 
-ImuFactor::Linearization ImuFactor::linearize(const Point& at) const {
+ImuFactor::Linearization ImuFactor::linearize(const Point& at, bool want_measurement) const {
   const double dt = motion_.dt_s;
   const Vector3d g = gravity_magnitude_ * at.gravity_direction;
   const SO3d R0_inverse = at.T_world_body0.rotation().inverse();
@@ -71,44 +71,49 @@ ImuFactor::Linearization ImuFactor::linearize(const Point& at) const {
   const Matrix3d Jr_inverse = SO3d::right_jacobian_inverse(rR);
   const Matrix3d Jl_inverse = Jr_inverse.transpose();  // Jl(r) = Jr(r)^T
   const Matrix3d J_rR_x = -Jl_inverse * SO3d::right_jacobian(corrected.rotation);
-  const auto W = sqrt_information_.triangularView<Eigen::Lower>();
+  // Eigen's kernels for large products are slow on these small ones: lazyProduct throughout.
+  const Matrix9& W = sqrt_information_;
 
   Linearization result;
   Vector9 e;
   e << rR, dv - corrected.dv, dp - corrected.dp;
-  result.residual = W * e;
+  result.residual = W.lazyProduct(e);
 
   Matrix96 J6 = Matrix96::Zero();  // T_world_body0: [rho theta]
   J6.block<3, 3>(6, 0) = -Matrix3d::Identity();
   J6.block<3, 3>(0, 3) = -Jr_inverse * R0_transposed_R1.transpose();
   J6.block<3, 3>(3, 3) = lie::skew(dv);
   J6.block<3, 3>(6, 3) = lie::skew(dp);
-  result.J_pose0 = W * J6;
+  result.J_pose0 = W.lazyProduct(J6);
 
   J6.setZero();  // T_world_body1
   J6.block<3, 3>(6, 0) = R0_transposed_R1;
   J6.block<3, 3>(0, 3) = Jr_inverse;
-  result.J_pose1 = W * J6;
+  result.J_pose1 = W.lazyProduct(J6);
 
   J6 << J_rR_x * motion_.J_dR_bias, -motion_.J_dv_bias, -motion_.J_dp_bias;
-  result.J_bias = W * J6;
+  result.J_bias = W.lazyProduct(J6);
 
   Matrix93 J3;
   J3 << Matrix3d::Zero(), -R0_transposed, -dt * R0_transposed;
-  result.J_v0 = W * J3;
+  result.J_v0 = W.lazyProduct(J3);
   J3 << Matrix3d::Zero(), R0_transposed, Matrix3d::Zero();
-  result.J_v1 = W * J3;
+  result.J_v1 = W.lazyProduct(J3);
+  result.J_gravity_direction.setZero();
+  result.J_time_offset.setZero();
+  result.J_measurement.setZero();
+  if (!want_measurement) return result;
   J3 << Matrix3d::Zero(), (-gravity_magnitude_ * dt) * R0_transposed,
       (-0.5 * gravity_magnitude_ * dt * dt) * R0_transposed;
-  result.J_gravity_direction = W * J3;
+  result.J_gravity_direction = W.lazyProduct(J3);
 
   Vector9 J1 = -motion_.J_time_offset;
   J1.head<3>() = J_rR_x * motion_.J_time_offset.head<3>();
-  result.J_time_offset = W * J1;
+  result.J_time_offset = W.lazyProduct(J1);
 
   Matrix9 J9 = -Matrix9::Identity();
   J9.topLeftCorner<3, 3>() = -Jl_inverse * exp_x.inverse().matrix();
-  result.J_measurement = W * J9;
+  result.J_measurement = W.lazyProduct(J9);
   return result;
 }
 
@@ -121,7 +126,7 @@ bool ImuFactor::Evaluate(double const* const* parameters,
     r = residual(at);
     return r.allFinite();
   }
-  const Linearization linear = linearize(at);
+  const Linearization linear = linearize(at, jacobians[5] != nullptr || jacobians[6] != nullptr);
   r = linear.residual;
   using Block3 = Eigen::Map<Eigen::Matrix<double, 9, 3, Eigen::RowMajor>>;
   using Block6 = Eigen::Map<Eigen::Matrix<double, 9, 6, Eigen::RowMajor>>;

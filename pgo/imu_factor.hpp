@@ -55,7 +55,9 @@ class ImuFactor final : public ceres::SizedCostFunction<9, 7, 3, 7, 3, 6, 3, 1> 
   static Point point_from_blocks(double const* const* parameters);
 
   Vector9 residual(const Point& at) const;
-  Linearization linearize(const Point& at) const;
+  /// The derivatives by gravity, time offset and measurement are left zero unless wanted: the
+  /// solver mostly does without.
+  Linearization linearize(const Point& at, bool want_measurement = true) const;
 
   bool Evaluate(double const* const* parameters,
                 double* residuals,

@@ -17,27 +17,30 @@ RelativePoseFactor::Vector6 RelativePoseFactor::residual(const SE3d& T_world_bod
   const Vector6 shift = J_disparity_offset_ * (disparity_offset - disparity_offset_);
   const SE3d measured = T_body0_body1_ * SE3d::exp(shift);
   const SE3d error = measured.inverse() * (T_world_body0.inverse() * T_world_body1);
-  return sqrt_information_.triangularView<Eigen::Lower>() * error.log();
+  return sqrt_information_ * error.log();
 }
 
 RelativePoseFactor::Linearization RelativePoseFactor::linearize(const SE3d& T_world_body0,
                                                                 const SE3d& T_world_body1,
-                                                                double disparity_offset) const {
+                                                                double disparity_offset,
+                                                                bool want_measurement) const {
   const Vector6 shift = J_disparity_offset_ * (disparity_offset - disparity_offset_);
   const SE3d exp_shift = SE3d::exp(shift);
   const SE3d T_body0_body1 = T_world_body0.inverse() * T_world_body1;
   const SE3d error = (T_body0_body1_ * exp_shift).inverse() * T_body0_body1;
   const Vector6 e = error.log();
-  const Matrix6 J_right_inverse = SE3d::right_jacobian_inverse(e);
-  const auto W = sqrt_information_.triangularView<Eigen::Lower>();
+  const Matrix6& W = sqrt_information_;
 
   // Log(E Exp(tau)) = e + Jr^-1(e) tau, and T0 Exp(tau) acts as T1 Exp(-Ad(T1^-1 T0) tau).
   // M Exp(tau) puts Exp(-tau) to the left of the error: e - Jl^-1(e) tau.
-  const Matrix6 W_J_left_inverse = W * SE3d::left_jacobian_inverse(e);
   Linearization result;
   result.residual = W * e;
-  result.J_pose1 = W * J_right_inverse;
+  result.J_pose1 = W * SE3d::right_jacobian_inverse(e);
   result.J_pose0 = -result.J_pose1 * T_body0_body1.inverse().adjoint();
+  result.J_disparity_offset.setZero();
+  result.J_measurement.setZero();
+  if (!want_measurement) return result;
+  const Matrix6 W_J_left_inverse = W * SE3d::left_jacobian_inverse(e);
   result.J_disparity_offset =
       -W_J_left_inverse * (SE3d::right_jacobian(shift) * J_disparity_offset_);
   result.J_measurement = -W_J_left_inverse * exp_shift.inverse().adjoint();
@@ -54,7 +57,8 @@ bool RelativePoseFactor::Evaluate(double const* const* parameters,
     r = residual(T_world_body0, T_world_body1, *parameters[2]);
     return r.allFinite();
   }
-  const Linearization at = linearize(T_world_body0, T_world_body1, *parameters[2]);
+  const Linearization at =
+      linearize(T_world_body0, T_world_body1, *parameters[2], jacobians[2] != nullptr);
   r = at.residual;
   if (jacobians[0] != nullptr) pose_jacobian_to_block(at.J_pose0, parameters[0], jacobians[0]);
   if (jacobians[1] != nullptr) pose_jacobian_to_block(at.J_pose1, parameters[1], jacobians[1]);

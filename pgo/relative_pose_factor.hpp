@@ -38,9 +38,12 @@ class RelativePoseFactor final : public ceres::SizedCostFunction<6, 7, 7, 1> {
                    const lie::SE3d& T_world_body1,
                    double disparity_offset) const;
 
+  /// The derivatives by the disparity offset and the measurement are left zero unless wanted: the
+  /// solver mostly does without.
   Linearization linearize(const lie::SE3d& T_world_body0,
                           const lie::SE3d& T_world_body1,
-                          double disparity_offset) const;
+                          double disparity_offset,
+                          bool want_measurement = true) const;
 
   bool Evaluate(double const* const* parameters,
                 double* residuals,
