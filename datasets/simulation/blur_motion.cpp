@@ -93,12 +93,11 @@ std::vector<float> blur_motion(const View& view,
       const std::size_t at = view.index(row, column);
       const Twist& twist = twists[view.instance[at]];
       const float nearness = 1.0F / view.distance[at];  // 0 for the sky
-      const Vector3f d_rate =
-          twist.omega.cross(rays.direction(row, column)) + nearness * twist.v;
+      const Vector3f d_rate = twist.omega.cross(rays.direction(row, column)) + nearness * twist.v;
       const Vector2f smear = exposure * (rays.J_pixel_direction(row, column) * d_rate);
       const float length = smear.norm();
-      result[at] = length > kShortest ? smeared(view, column, row, smear, length)
-                                      : view.radiance[at];
+      result[at] =
+          length > kShortest ? smeared(view, column, row, smear, length) : view.radiance[at];
     }
   });
   return result;

@@ -77,11 +77,8 @@ BuildingPaints building_paints(Scene& scene, TextureBank& bank, Random& random) 
   return paints;
 }
 
-void add_building(Mesh& mesh,
-                  const lie::SE3d& pose,
-                  double width,
-                  const BuildingPaints& paints,
-                  Random& random) {
+void add_building(
+    Mesh& mesh, const lie::SE3d& pose, double width, const BuildingPaints& paints, Random& random) {
   const double depth = random.uniform(9.0, 12.0);
   const double height = random.uniform(7.0, 17.0);
   // pose looks along -x: the body of the house lies at +x behind its front.
@@ -107,8 +104,9 @@ void add_skyline(Mesh& mesh, double radius, const BuildingPaints& paints, Random
     const double distance = radius * random.uniform(1.0, 1.25);
     const double height = random.uniform(12.0, 38.0);
     const double width = random.uniform(16.0, 30.0);
-    mesh.add_box(upright(distance * std::cos(angle), distance * std::sin(angle), 0.5 * height, angle),
-                 {14.0, width, height}, any(paints.facades, random), false, 8.0);
+    mesh.add_box(
+        upright(distance * std::cos(angle), distance * std::sin(angle), 0.5 * height, angle),
+        {14.0, width, height}, any(paints.facades, random), false, 8.0);
   }
 }
 

@@ -18,11 +18,8 @@ struct BuildingPaints {
 BuildingPaints building_paints(Scene& scene, TextureBank& bank, Random& random);
 
 /// A house whose front stands in the pose's y-z plane and looks along -x; `width` along y, centred.
-void add_building(Mesh& mesh,
-                  const lie::SE3d& pose,
-                  double width,
-                  const BuildingPaints& paints,
-                  Random& random);
+void add_building(
+    Mesh& mesh, const lie::SE3d& pose, double width, const BuildingPaints& paints, Random& random);
 
 /// Tall blocks in a ring, to close the view down the streets.
 void add_skyline(Mesh& mesh, double radius, const BuildingPaints& paints, Random& random);

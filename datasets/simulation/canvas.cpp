@@ -124,7 +124,8 @@ void Canvas::scatter_strokes(Random& random,
                        step * cv::Point2d(std::cos(direction), std::sin(direction)));
     }
     const cv::Scalar colour = grey(shade_at(x0, y0, contrast * random.normal()));
-    const int width = std::max(1, static_cast<int>(std::lround(thickness * random.uniform(0.5, 1.5))));
+    const int width =
+        std::max(1, static_cast<int>(std::lround(thickness * random.uniform(0.5, 1.5))));
     wrapped(x0, y0, length + width, [&](double x, double y) {
       for (std::size_t k = 1; k < points.size(); ++k) {
         cv::line(image_, fixed(x + points[k - 1].x, y + points[k - 1].y),
@@ -200,8 +201,9 @@ void Canvas::text_lines(Random& random, int lines) {
           random.integer(0, static_cast<std::int64_t>(alphabet.size()) - 1))];
     }
     const double scale = random.uniform(0.5, 2.2);
-    const cv::Point origin(static_cast<int>(random.uniform(0.03, 0.4) * size_),
-                           static_cast<int>(random.uniform(0.08, 0.98) * size_));
+    const double x = random.uniform(0.03, 0.4) * size_;
+    const double y = random.uniform(0.08, 0.98) * size_;
+    const cv::Point origin(static_cast<int>(x), static_cast<int>(y));
     const double shade = random.chance(0.6) ? random.uniform(0.0, 0.2) : random.uniform(0.8, 1.0);
     cv::putText(image_, text, origin, cv::FONT_HERSHEY_DUPLEX, scale, grey(shade),
                 std::max(1, static_cast<int>(scale * 1.6)), cv::LINE_AA);
@@ -222,7 +224,8 @@ void Canvas::book_rows(Random& random, int rows) {
         const double band = random.uniform(0.15, 0.8);
         const double y = top + band * (bottom - top);
         cv::rectangle(image_, fixed(x + 1, y), fixed(x + width - 3, y + 0.1 * height),
-                      grey(shade > 0.5 ? shade - 0.4 : shade + 0.4), cv::FILLED, cv::LINE_AA, kShift);
+                      grey(shade > 0.5 ? shade - 0.4 : shade + 0.4), cv::FILLED, cv::LINE_AA,
+                      kShift);
       }
       x += width;
     }

@@ -41,7 +41,8 @@ class Canvas {
                        double angle_spread = 3.2);
   void scatter_spots(Random& random, int count, double smallest, double largest, double contrast);
   void scatter_leaves(Random& random, int count, double smallest, double largest, double contrast);
-  void scatter_polygons(Random& random, int count, double smallest, double largest, double contrast);
+  void scatter_polygons(
+      Random& random, int count, double smallest, double largest, double contrast);
 
   void text_lines(Random& random, int lines);
   void book_rows(Random& random, int rows);

@@ -40,8 +40,8 @@ Bytes png(const cv::Mat& image) {
 
 Bytes encode_grey(const GrayImage& image) {
   // The header needs a mutable pointer; imencode only reads.
-  return png(cv::Mat(image.height, image.width, CV_8U,
-                     const_cast<std::uint8_t*>(image.pixels.data())));
+  return png(
+      cv::Mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels.data())));
 }
 
 void write_bytes(const fs::path& file, const Bytes& bytes) {
@@ -105,15 +105,15 @@ EurocWriter::EurocWriter(const fs::path& root, const Simulator& simulator)
 
 void EurocWriter::add_imu(const SimulatedImuSample& sample) {
   const ImuSample& reading = sample.reading;
-  imu_.line(comma_separated(reading.time_ns,
-                            {reading.angular_velocity, reading.linear_acceleration}));
+  imu_.line(
+      comma_separated(reading.time_ns, {reading.angular_velocity, reading.linear_acceleration}));
   const lie::SE3d& pose = sample.truth.T_world_body;
   const auto& q = pose.rotation().quaternion();
   const double sign = q.w() < 0.0 ? -1.0 : 1.0;
-  truth_.line(comma_separated(reading.time_ns, {pose.translation()}) +
-              fmt::format(",{},{},{},{}", sign * q.w(), sign * q.x(), sign * q.y(), sign * q.z()) +
-              comma_separated(0, {sample.truth.v_world, sample.bias.gyro, sample.bias.accel})
-                  .substr(1));
+  truth_.line(
+      comma_separated(reading.time_ns, {pose.translation()}) +
+      fmt::format(",{},{},{},{}", sign * q.w(), sign * q.x(), sign * q.y(), sign * q.z()) +
+      comma_separated(0, {sample.truth.v_world, sample.bias.gyro, sample.bias.accel}).substr(1));
 }
 
 void EurocWriter::add_frames(const std::vector<SimulatedFrame>& frames) {

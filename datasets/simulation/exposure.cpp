@@ -7,9 +7,9 @@ namespace imslam::simulation {
 namespace {
 
 constexpr double kProbe_s = 0.5;
-constexpr int kStride = 24;        ///< [px] between the probe's rays
-constexpr double kFollow = 0.45;   ///< share of the error that is corrected per probe
-constexpr double kStep = 0.5;      ///< sigma of a sudden change of the logarithm
+constexpr int kStride = 24;       ///< [px] between the probe's rays
+constexpr double kFollow = 0.45;  ///< share of the error that is corrected per probe
+constexpr double kStep = 0.5;     ///< sigma of a sudden change of the logarithm
 
 double mean_radiance(const World& world, const RayTable& rays, const lie::SE3d& T_world_camera) {
   const Eigen::Matrix3f R = T_world_camera.rotation().matrix().cast<float>();
@@ -51,8 +51,7 @@ Exposure::Exposure(const SimulationOptions& options,
     if (measure) {
       world.set_time(t);
       const lie::SE3d T_world_left = motion.at(t).T_world_body * T_body_left;
-      const double wanted =
-          std::log(image.brightness / mean_radiance(world, rays, T_world_left));
+      const double wanted = std::log(image.brightness / mean_radiance(world, rays, T_world_left));
       next += (log_gains_.empty() ? 1.0 : kFollow) * (wanted - next);
     }
     if (random.chance(steps_per_probe)) next += kStep * random.normal();

@@ -45,7 +45,8 @@ void add_clutter(Mesh& mesh,
       const double r = random.uniform(0.03, 0.08);
       const Vector3d foot = pose * Vector3d(x, y, 0.0);
       const Vector3d top = pose * Vector3d(x, y, h);
-      mesh.add_tube(foot, top, r, r * random.uniform(0.6, 1.3), 12, any(paints.cloth, random), 0.2);
+      const double r_top = r * random.uniform(0.6, 1.3);
+      mesh.add_tube(foot, top, r, r_top, 12, any(paints.cloth, random), 0.2);
     }
   }
 }
@@ -71,19 +72,24 @@ FurniturePaints furniture_paints(Scene& scene, TextureBank& bank, Random& random
   return paints;
 }
 
-void add_bookshelf(Mesh& mesh, const lie::SE3d& pose, const FurniturePaints& paints, Random& random) {
+void add_bookshelf(Mesh& mesh,
+                   const lie::SE3d& pose,
+                   const FurniturePaints& paints,
+                   Random& random) {
   const double height = random.uniform(1.6, 2.3);
   const double width = random.uniform(0.9, 1.6);
-  add_faced_box(mesh, at(pose, 0.18, 0, 0.5 * height), {0.34, width, height},
-                any(paints.wood, random), any(paints.books, random));
+  const Paint& wood = any(paints.wood, random);
+  add_faced_box(mesh, at(pose, 0.18, 0, 0.5 * height), {0.34, width, height}, wood,
+                any(paints.books, random));
   add_clutter(mesh, at(pose, 0.18, 0, height), 0.3, width, 3, paints, random);
 }
 
 void add_cabinet(Mesh& mesh, const lie::SE3d& pose, const FurniturePaints& paints, Random& random) {
   const double height = random.uniform(0.7, 1.3);
   const double width = random.uniform(0.8, 1.6);
-  add_faced_box(mesh, at(pose, 0.24, 0, 0.5 * height), {0.45, width, height},
-                any(paints.wood, random), any(paints.metal, random));
+  const Paint& wood = any(paints.wood, random);
+  add_faced_box(mesh, at(pose, 0.24, 0, 0.5 * height), {0.45, width, height}, wood,
+                any(paints.metal, random));
   add_clutter(mesh, at(pose, 0.24, 0, height), 0.4, width, 6, paints, random);
 }
 
@@ -147,7 +153,9 @@ void add_plant(Mesh& mesh, const lie::SE3d& pose, const FurniturePaints& paints,
     const Vector3d tip = root + random.uniform(0.12, 0.26) * out.normalized();
     const Vector3d side = random.uniform(0.025, 0.05) * out.cross(up).normalized();
     Paint paint = any(paints.leaves, random);
-    paint.offset = Eigen::Vector2d(random.uniform(), random.uniform()).cast<float>();
+    const double u = random.uniform();
+    const double v = random.uniform();
+    paint.offset = Eigen::Vector2d(u, v).cast<float>();
     mesh.add_leaf(root, tip, side, paint);
   }
 }
@@ -158,7 +166,8 @@ void add_picture(Mesh& mesh,
                  double height,
                  const FurniturePaints& paints,
                  Random& random) {
-  add_faced_box(mesh, at(pose, 0.015, 0, 0), {0.03, width, height}, any(paints.wood, random),
+  const Paint& frame = any(paints.wood, random);
+  add_faced_box(mesh, at(pose, 0.015, 0, 0), {0.03, width, height}, frame,
                 any(paints.pictures, random));
 }
 

@@ -20,7 +20,10 @@ FurniturePaints furniture_paints(Scene& scene, TextureBank& bank, Random& random
 
 /// Pieces stand on z = 0 at the pose's origin with their backs towards -x of the pose; depth along
 /// x, width along y. Each stays within depth x width.
-void add_bookshelf(Mesh& mesh, const lie::SE3d& pose, const FurniturePaints& paints, Random& random);
+void add_bookshelf(Mesh& mesh,
+                   const lie::SE3d& pose,
+                   const FurniturePaints& paints,
+                   Random& random);
 void add_cabinet(Mesh& mesh, const lie::SE3d& pose, const FurniturePaints& paints, Random& random);
 void add_table(Mesh& mesh, const lie::SE3d& pose, const FurniturePaints& paints, Random& random);
 void add_sofa(Mesh& mesh, const lie::SE3d& pose, const FurniturePaints& paints, Random& random);

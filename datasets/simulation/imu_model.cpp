@@ -80,9 +80,8 @@ ImuErrors draw_imu_errors(const ImuOptions& options, Random random) {
   if (options.accel_range > 0.0) errors.noise.accel_range = options.accel_range;
   errors.data_sheet = errors.noise;
   const double noise_scale = perfect * options.noise_scale;
-  for (double ImuNoise::*density :
-       {&ImuNoise::gyro_noise_density, &ImuNoise::gyro_random_walk, &ImuNoise::accel_noise_density,
-        &ImuNoise::accel_random_walk}) {
+  for (double ImuNoise::*density : {&ImuNoise::gyro_noise_density, &ImuNoise::gyro_random_walk,
+                                    &ImuNoise::accel_noise_density, &ImuNoise::accel_random_walk}) {
     errors.noise.*density *= noise_scale;
     // An estimator divides by these: a perfect sensor admits to a hundredth of the usual noise.
     errors.data_sheet.*density *= std::max(noise_scale, 0.01);

@@ -17,10 +17,10 @@ Eigen::Vector3d specific_force(const MotionState& state);
 
 /// The errors of one individual sensor:  reading = quantise(clamp(M truth + bias + noise)).
 struct ImuErrors {
-  ImuNoise noise;        ///< true densities; zero for a perfect sensor
-  ImuNoise data_sheet;   ///< what is written in sensor.yaml: never zero
+  ImuNoise noise;       ///< true densities; zero for a perfect sensor
+  ImuNoise data_sheet;  ///< what is written in sensor.yaml: never zero
   ImuBias initial_bias;
-  Eigen::Matrix3d gyro_shape = Eigen::Matrix3d::Identity();   ///< scale and misalignment
+  Eigen::Matrix3d gyro_shape = Eigen::Matrix3d::Identity();  ///< scale and misalignment
   Eigen::Matrix3d accel_shape = Eigen::Matrix3d::Identity();
   double gyro_step = 0.0;   ///< [rad/s] quantisation, 0: none
   double accel_step = 0.0;  ///< [m/s^2]
@@ -32,7 +32,7 @@ ImuErrors draw_imu_errors(const ImuOptions& options, Random random);
 struct SimulatedImuSample {
   double time_s = 0.0;  ///< since the start of the motion
   ImuSample reading;
-  ImuBias bias;         ///< at that instant
+  ImuBias bias;  ///< at that instant
   MotionState truth;
 };
 

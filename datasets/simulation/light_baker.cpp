@@ -13,8 +13,8 @@ using Eigen::Vector3f;
 
 constexpr int kAmbientRays = 12;
 constexpr int kSunRays = 4;
-constexpr float kLift = 0.01F;         ///< [m] off the surface, against meeting itself
-constexpr std::size_t kChunk = 256;    ///< vertices per task; each has its own random stream
+constexpr float kLift = 0.01F;       ///< [m] off the surface, against meeting itself
+constexpr std::size_t kChunk = 256;  ///< vertices per task; each has its own random stream
 
 std::vector<Vector3f> vertex_normals(const Mesh& mesh) {
   std::vector<Vector3f> normals(mesh.vertices.size(), Vector3f::Zero());

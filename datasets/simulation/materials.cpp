@@ -14,8 +14,8 @@ constexpr int kSize = 512;
 Canvas plaster(Random& random) {
   Canvas canvas(kSize, random.uniform(0.5, 0.8));
   canvas.add_noise(random, 4, 4, 7, 0.62, 0.22);
-  canvas.scatter_strokes(random, 60, 0.5, 6.0, 0.02, 0.16);   // scratches
-  canvas.scatter_spots(random, 90, 0.8, 3.5, 0.25);           // dirt, nail holes
+  canvas.scatter_strokes(random, 60, 0.5, 6.0, 0.02, 0.16);  // scratches
+  canvas.scatter_spots(random, 90, 0.8, 3.5, 0.25);          // dirt, nail holes
   return canvas;
 }
 
@@ -63,8 +63,8 @@ Canvas asphalt(Random& random) {
   Canvas canvas(kSize, random.uniform(0.28, 0.38));
   canvas.add_noise(random, 3, 3, 4, 0.6, 0.22);
   canvas.scatter_spots(random, 2600, 0.7, 2.4, 0.3);
-  canvas.scatter_polygons(random, 4, 30.0, 80.0, 0.07);     // patches
-  canvas.scatter_strokes(random, 14, 1.0, 80.0, 0.8, 0.22); // cracks
+  canvas.scatter_polygons(random, 4, 30.0, 80.0, 0.07);      // patches
+  canvas.scatter_strokes(random, 14, 1.0, 80.0, 0.8, 0.22);  // cracks
   return canvas;
 }
 
@@ -114,8 +114,9 @@ Canvas facade(Random& random) {
     canvas.fill(random.uniform(0.45, 0.75));
   }
   canvas.add_noise(random, 3, 3, 7, 0.7, 0.25);
-  canvas.windows(random, static_cast<int>(random.integer(2, 4)),
-                 static_cast<int>(random.integer(2, 3)));
+  const int columns = static_cast<int>(random.integer(2, 4));
+  const int rows = static_cast<int>(random.integer(2, 3));
+  canvas.windows(random, columns, rows);
   return canvas;
 }
 
@@ -200,29 +201,52 @@ Canvas sky(Random& random) {
 
 Canvas canvas_of(Material material, Random& random) {
   switch (material) {
-    case Material::kPlaster: return plaster(random);
-    case Material::kBrick: return brick(random);
-    case Material::kPlanks: return planks(random);
-    case Material::kTiles: return tiles(random);
-    case Material::kCarpet: return carpet(random);
-    case Material::kConcrete: return concrete(random);
-    case Material::kAsphalt: return asphalt(random);
-    case Material::kBark: return bark(random);
-    case Material::kGround: return ground(random);
-    case Material::kGrass: return grass(random);
-    case Material::kLeaf: return leaf(random);
-    case Material::kRock: return rock(random);
-    case Material::kFacade: return facade(random);
-    case Material::kPoster: return poster(random);
-    case Material::kBooks: return books(random);
-    case Material::kDoor: return door(random);
-    case Material::kCeiling: return ceiling(random);
-    case Material::kFabric: return fabric(random);
-    case Material::kMetal: return metal(random);
-    case Material::kCar: return car(random);
-    case Material::kGlass: return glass(random);
-    case Material::kSign: return sign(random);
-    case Material::kSky: return sky(random);
+    case Material::kPlaster:
+      return plaster(random);
+    case Material::kBrick:
+      return brick(random);
+    case Material::kPlanks:
+      return planks(random);
+    case Material::kTiles:
+      return tiles(random);
+    case Material::kCarpet:
+      return carpet(random);
+    case Material::kConcrete:
+      return concrete(random);
+    case Material::kAsphalt:
+      return asphalt(random);
+    case Material::kBark:
+      return bark(random);
+    case Material::kGround:
+      return ground(random);
+    case Material::kGrass:
+      return grass(random);
+    case Material::kLeaf:
+      return leaf(random);
+    case Material::kRock:
+      return rock(random);
+    case Material::kFacade:
+      return facade(random);
+    case Material::kPoster:
+      return poster(random);
+    case Material::kBooks:
+      return books(random);
+    case Material::kDoor:
+      return door(random);
+    case Material::kCeiling:
+      return ceiling(random);
+    case Material::kFabric:
+      return fabric(random);
+    case Material::kMetal:
+      return metal(random);
+    case Material::kCar:
+      return car(random);
+    case Material::kGlass:
+      return glass(random);
+    case Material::kSign:
+      return sign(random);
+    case Material::kSky:
+      return sky(random);
   }
   return plaster(random);
 }

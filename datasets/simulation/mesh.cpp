@@ -118,8 +118,8 @@ void Mesh::add_tube(const Vector3d& from,
       const double angle = 2.0 * M_PI * side / sides;
       const Vector3d position =
           from + t * (to - from) + radius * (std::cos(angle) * across + std::sin(angle) * other);
-      add_vertex(position, paint.offset.cast<double>() +
-                               Vector2d(around * side / sides, -t * length / tile));
+      add_vertex(position,
+                 paint.offset.cast<double>() + Vector2d(around * side / sides, -t * length / tile));
     }
   }
   connect_grid(first, sides, rows, paint);

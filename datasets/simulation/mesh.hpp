@@ -27,8 +27,8 @@ struct Triangle {
 /// How a surface is papered.
 struct Paint {
   std::uint32_t texture = 0;
-  float tile_m = 1.0F;                                ///< size of one tile; 0: one tile per face
-  Eigen::Vector2f offset = Eigen::Vector2f::Zero();   ///< [tiles]
+  float tile_m = 1.0F;                               ///< size of one tile; 0: one tile per face
+  Eigen::Vector2f offset = Eigen::Vector2f::Zero();  ///< [tiles]
 };
 
 /// Triangles in metres; winding is counter-clockwise seen from outside.

@@ -52,9 +52,8 @@ MotionSpline make_motion(const SimulationOptions& options,
   controls.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
     const double t = MotionSpline::control_time(kKnot_s, k);
-    controls.push_back(options.motion == "natural"
-                           ? path(travel_time(options, t))
-                           : special_pose(options, start, t));
+    controls.push_back(options.motion == "natural" ? path(travel_time(options, t))
+                                                   : special_pose(options, start, t));
   }
   return MotionSpline(kKnot_s, std::move(controls));
 }

@@ -20,9 +20,9 @@ struct Basis {
 };
 
 // Column j: coefficients of 1, u, ..., u^5 of 120 b_j(u), the uniform quintic B-spline.
-constexpr double kBlend[kOrder][kOrder] = {
-    {1, -5, 10, -10, 5, -1},    {26, -50, 20, 20, -20, 5},  {66, 0, -60, 0, 30, -10},
-    {26, 50, 20, -20, -20, 10}, {1, 5, 10, 10, 5, -5},      {0, 0, 0, 0, 0, 1}};
+constexpr double kBlend[kOrder][kOrder] = {{1, -5, 10, -10, 5, -1},  {26, -50, 20, 20, -20, 5},
+                                           {66, 0, -60, 0, 30, -10}, {26, 50, 20, -20, -20, 10},
+                                           {1, 5, 10, 10, 5, -5},    {0, 0, 0, 0, 0, 1}};
 
 Basis basis(double u) {
   Basis result{};
@@ -66,8 +66,7 @@ std::size_t MotionSpline::control_count(double knot_dt_s, double duration_s) {
 
 MotionState MotionSpline::at(double time_s) const {
   const double knots = std::clamp(time_s, 0.0, duration_s_) / knot_dt_s_;
-  const std::size_t i =
-      std::min(static_cast<std::size_t>(knots), control_poses_.size() - kOrder);
+  const std::size_t i = std::min(static_cast<std::size_t>(knots), control_poses_.size() - kOrder);
   Basis b = basis(knots - static_cast<double>(i));
   const double rate = 1.0 / knot_dt_s_;
 

@@ -10,10 +10,10 @@ namespace imslam::simulation {
 /// Everything that an ideal inertial sensor and an ideal camera need to know at one instant.
 struct MotionState {
   lie::SE3d T_world_body;
-  Eigen::Vector3d v_world = Eigen::Vector3d::Zero();      ///< [m/s]
-  Eigen::Vector3d a_world = Eigen::Vector3d::Zero();      ///< [m/s^2], without gravity
-  Eigen::Vector3d omega_body = Eigen::Vector3d::Zero();   ///< [rad/s]
-  Eigen::Vector3d alpha_body = Eigen::Vector3d::Zero();   ///< [rad/s^2]
+  Eigen::Vector3d v_world = Eigen::Vector3d::Zero();     ///< [m/s]
+  Eigen::Vector3d a_world = Eigen::Vector3d::Zero();     ///< [m/s^2], without gravity
+  Eigen::Vector3d omega_body = Eigen::Vector3d::Zero();  ///< [rad/s]
+  Eigen::Vector3d alpha_body = Eigen::Vector3d::Zero();  ///< [rad/s^2]
 };
 
 /// A motion with four continuous derivatives: uniform quintic B-splines over R^3 and, in cumulative

@@ -13,9 +13,8 @@ namespace {
 /// low <= value <= high, or a message that names key, value and bounds.
 void within(const char* key, double value, double low, double high) {
   if (std::isfinite(value) && value >= low && value <= high) return;
-  throw InputError(
-      fmt::format("simulation.{} = {}: must lie in [{}, {}]", key, value, low, high),
-      ExitCode::kUsage);
+  throw InputError(fmt::format("simulation.{} = {}: must lie in [{}, {}]", key, value, low, high),
+                   ExitCode::kUsage);
 }
 
 void zero_or_within(const char* key, double value, double low, double high) {
@@ -26,9 +25,9 @@ void one_of(const char* key, const std::string& value, const std::vector<std::st
   for (const std::string& name : allowed) {
     if (name == value) return;
   }
-  throw InputError(fmt::format("simulation.{} = '{}': must be one of {}", key, value,
-                               fmt::join(allowed, ", ")),
-                   ExitCode::kUsage);
+  throw InputError(
+      fmt::format("simulation.{} = '{}': must be one of {}", key, value, fmt::join(allowed, ", ")),
+      ExitCode::kUsage);
 }
 
 const std::vector<std::string> kPresets = {"euroc", "tumvi", "kitti"};

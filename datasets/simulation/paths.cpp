@@ -14,7 +14,9 @@ using Eigen::Vector2d;
 template <typename Value>
 std::vector<Value> box_filtered(const std::vector<Value>& values, int half_width) {
   const auto count = static_cast<int>(values.size());
-  const auto at = [&](int i) { return values[static_cast<std::size_t>(((i % count) + count) % count)]; };
+  const auto at = [&](int i) {
+    return values[static_cast<std::size_t>(((i % count) + count) % count)];
+  };
   std::vector<Value> result(values.size());
   Value sum = at(0);
   for (int k = 1; k <= half_width; ++k) sum += at(k) + at(-k);
@@ -90,10 +92,12 @@ void PlanarLoop::time_it(const Limits& limits, int half_width) {
   // Brake before the bend, speed up after it: the lowest limit around, then smoothed.
   std::vector<double> cautious = speeds;
   const auto n = static_cast<int>(count);
+  const int reach = 4 * half_width;  // of the two smoothing passes below together
   for (int i = 0; i < n; ++i) {
-    for (int k = -2 * half_width; k <= 2 * half_width; ++k) {
+    for (int k = -reach; k <= reach; ++k) {
       const auto j = static_cast<std::size_t>(((i + k) % n + n) % n);
-      cautious[static_cast<std::size_t>(i)] = std::min(cautious[static_cast<std::size_t>(i)], speeds[j]);
+      cautious[static_cast<std::size_t>(i)] =
+          std::min(cautious[static_cast<std::size_t>(i)], speeds[j]);
     }
   }
   for (int pass = 0; pass < 2; ++pass) cautious = box_filtered(cautious, 2 * half_width);
@@ -147,11 +151,8 @@ double PlanarLoop::clearance(const Vector2d& place) const {
   return std::sqrt(nearest);
 }
 
-void add_arc(std::vector<Vector2d>& points,
-             const Vector2d& centre,
-             double radius,
-             double from,
-             double to) {
+void add_arc(
+    std::vector<Vector2d>& points, const Vector2d& centre, double radius, double from, double to) {
   const int pieces = std::max(2, static_cast<int>(std::abs(to - from) / 0.1));
   for (int k = 0; k <= pieces; ++k) {
     const double angle = from + (to - from) * k / pieces;

@@ -27,10 +27,10 @@ class Wobble {
 class PlanarLoop {
  public:
   struct Limits {
-    double speed = 1.0;           ///< [m/s]
-    double turn_rate = 1.0;       ///< [rad/s]
-    double lateral_accel = 2.0;   ///< [m/s^2]
-    double smoothing_m = 1.0;     ///< corners are rounded over about this length
+    double speed = 1.0;          ///< [m/s]
+    double turn_rate = 1.0;      ///< [rad/s]
+    double lateral_accel = 2.0;  ///< [m/s^2]
+    double smoothing_m = 1.0;    ///< corners are rounded over about this length
   };
   struct Pose {
     Eigen::Vector2d position;  ///< [m]
@@ -43,8 +43,8 @@ class PlanarLoop {
 
   Pose at_time(double t) const;
   Pose at_distance(double s) const;
-  double length() const { return distances_.back(); }   ///< [m]
-  double lap_time() const { return times_.back(); }     ///< [s]
+  double length() const { return distances_.back(); }  ///< [m]
+  double lap_time() const { return times_.back(); }    ///< [s]
   const std::vector<Eigen::Vector2d>& points() const { return points_; }
 
   /// Distance [m] of a place to the curve.

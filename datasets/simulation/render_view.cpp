@@ -214,10 +214,11 @@ RayTable::RayTable(const Lens& lens) : width_(lens.width()), height_(lens.height
   for (const Eigen::Vector3d& direction : wide) directions_.push_back(direction.cast<float>());
   for (int row = 0; row < height_; ++row) {
     for (int column = 0; column < width_; ++column) {
-      const Eigen::Vector3d* here = &wide[static_cast<std::size_t>((row + 1) * columns + column + 1)];
+      const Eigen::Vector3d* here =
+          &wide[static_cast<std::size_t>((row + 1) * columns + column + 1)];
       exact_.push_back(*here);
-      pixel_changes_.push_back(inverse_of_steps(0.5 * (here[1] - here[-1]),
-                                                0.5 * (here[columns] - here[-columns])));
+      pixel_changes_.push_back(
+          inverse_of_steps(0.5 * (here[1] - here[-1]), 0.5 * (here[columns] - here[-columns])));
     }
   }
 }

@@ -17,21 +17,32 @@ struct Preset {
 // Calibrations published with the data sets (EuRoC MH_01 cam0, TUM-VI room1 cam0, KITTI 00).
 Preset preset_named(const std::string& name) {
   if (name == "tumvi") {
-    return {Distortion::kEquidistant, 512, 512, {190.98, 190.97, 254.93, 256.90},
-            {0.0034823894, 0.0007150348, -0.0020532361, 0.00020293673}, 0.101};
+    return {Distortion::kEquidistant,
+            512,
+            512,
+            {190.98, 190.97, 254.93, 256.90},
+            {0.0034823894, 0.0007150348, -0.0020532361, 0.00020293673},
+            0.101};
   }
   if (name == "kitti") {
     return {Distortion::kRadTan, 1241, 376, {718.856, 718.856, 607.193, 185.216}, {}, 0.537};
   }
-  return {Distortion::kRadTan, 752, 480, {458.654, 457.296, 367.215, 248.375},
-          {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05}, 0.110};
+  return {Distortion::kRadTan,
+          752,
+          480,
+          {458.654, 457.296, 367.215, 248.375},
+          {-0.28340811, 0.07395907, 0.00019359, 1.76187114e-05},
+          0.110};
 }
 
-Lens scaled_lens(const Preset& preset, const CameraOptions& options, Random& random, double spread) {
+Lens scaled_lens(const Preset& preset,
+                 const CameraOptions& options,
+                 Random& random,
+                 double spread) {
   const double scale = options.width > 0 ? static_cast<double>(options.width) / preset.width : 1.0;
   const int width = options.width > 0 ? options.width : preset.width;
-  const int height = options.height > 0 ? options.height
-                                        : static_cast<int>(std::lround(scale * preset.height));
+  const int height =
+      options.height > 0 ? options.height : static_cast<int>(std::lround(scale * preset.height));
   Eigen::Vector4d k = preset.intrinsics * scale;
   k.head<2>() *= options.focal_scale * (1.0 + 0.003 * spread * random.normal());
   // Keep pixel centres in place when the image is scaled, and the centre when it is cropped.
@@ -67,8 +78,8 @@ StereoRig make_rig(const CameraOptions& options, Random random) {
   // The offset across the baseline is a few tenths of a millimetre in real heads.
   const double slack = options.misalignment_deg > 0.0 ? 3e-4 : 0.0;
   const Eigen::Vector3d offset = Eigen::Vector3d(baseline, 0, 0) + slack * random.normal3();
-  rig.T_body_right = rig.T_body_left *
-                     lie::SE3d(small_rotation(random, options.misalignment_deg), offset);
+  rig.T_body_right =
+      rig.T_body_left * lie::SE3d(small_rotation(random, options.misalignment_deg), offset);
   return rig;
 }
 

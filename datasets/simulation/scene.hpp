@@ -36,8 +36,8 @@ struct Instance {
 
 /// A world to look at and a way to travel through it.
 ///
-/// World: z up, ground near z = 0. `path` gives the body's pose as a function of the travelling time
-/// [s] (time at the family's usual speed); it keeps clear of all geometry and has no end.
+/// World: z up, ground near z = 0. `path` gives the body's pose as a function of the travelling
+/// time [s] (time at the family's usual speed); it keeps clear of all geometry and has no end.
 struct Scene {
   std::vector<Texture> textures;
   Mesh fixed;

@@ -42,7 +42,7 @@ std::vector<Side> sides_of(const Bend& l) {
   const Vector2d end_left(l.first - w, l.second + w);
   const Vector2d inner(l.first - w, w);
   const Vector2d start_left(-w, w);
-  return {{start_right, outer}, {outer, end_right},   {end_right, end_left},
+  return {{start_right, outer}, {outer, end_right},  {end_right, end_left},
           {end_left, inner},    {inner, start_left}, {start_left, start_right}};
 }
 
@@ -80,7 +80,8 @@ struct CorridorPaints {
   Paint pipe;
 };
 
-void add_door(Mesh& mesh, const Side& side, double s, const CorridorPaints& paints, Random& random) {
+void add_door(
+    Mesh& mesh, const Side& side, double s, const CorridorPaints& paints, Random& random) {
   constexpr double kWidth = 0.95;
   constexpr double kHeight = 2.05;
   const Paint& frame = any(paints.furniture.metal, random);
@@ -133,8 +134,8 @@ void hang(Scene& scene, const Bend& l, const CorridorPaints& paints, Random& ran
     const Vector3d lamp(x, y, top - 0.12);
     const double power = random.uniform(0.5, 1.3);
     scene.lighting.lamps.push_back({lamp.cast<float>(), static_cast<float>(power)});
-    scene.fixed.add_box(upright(x, y, top - 0.03, 0), {0.5, 0.22, 0.05},
-                        any(paints.signs, random), true);
+    scene.fixed.add_box(upright(x, y, top - 0.03, 0), {0.5, 0.22, 0.05}, any(paints.signs, random),
+                        true);
   };
   for (double x = 0.5; x < l.first; x += random.uniform(2.6, 3.8)) lamp_at(x, 0.0);
   for (double y = 0.5; y < l.second; y += random.uniform(2.6, 3.8)) lamp_at(l.first, y);
@@ -143,11 +144,11 @@ void hang(Scene& scene, const Bend& l, const CorridorPaints& paints, Random& ran
                        paints.pipe, 0.4);
   scene.fixed.add_tube({-l.half_width, -w, top - 0.3}, {l.first, -w, top - 0.3}, 0.07, 0.07, 10,
                        paints.pipe, 0.4);
-  scene.fixed.add_tube({l.first + w, 0, top - 0.25}, {l.first + w, l.second, top - 0.25}, 0.06, 0.06,
-                       10, paints.pipe, 0.4);
+  scene.fixed.add_tube({l.first + w, 0, top - 0.25}, {l.first + w, l.second, top - 0.25}, 0.06,
+                       0.06, 10, paints.pipe, 0.4);
   for (double x = 4.0; x < l.first - 2.0; x += random.uniform(6.0, 10.0)) {
-    scene.fixed.add_box(upright(x, 0.35, top - 0.2, 0), {0.03, 0.7, 0.24}, any(paints.signs, random),
-                        true);
+    scene.fixed.add_box(upright(x, 0.35, top - 0.2, 0), {0.03, 0.7, 0.24},
+                        any(paints.signs, random), true);
   }
 }
 

@@ -12,15 +12,16 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kHalfSize = 60.0;     ///< [m] of the wood
-constexpr double kFar = 7.0;           ///< [m] from the path where leaves are too small to see
-constexpr double kFree = 1.1;          ///< [m] around the path that trunks keep clear of
+constexpr double kHalfSize = 60.0;  ///< [m] of the wood
+constexpr double kFar = 7.0;        ///< [m] from the path where leaves are too small to see
+constexpr double kFree = 1.1;       ///< [m] around the path that trunks keep clear of
 
 /// Rolling ground that rises towards the edge of the wood and closes the view.
 class Ground {
  public:
   explicit Ground(Random& random)
-      : east_(random, 0.45, 0.01, 0.06), north_(random, 0.45, 0.01, 0.06),
+      : east_(random, 0.45, 0.01, 0.06),
+        north_(random, 0.45, 0.01, 0.06),
         fine_(random, 0.05, 0.1, 0.5) {}
 
   double operator()(double x, double y) const {
@@ -47,7 +48,8 @@ PlanarLoop trail(Random& random) {
   for (int i = 0; i < 600; ++i) {
     const double angle = 2 * M_PI * i / 600;
     double bend = 0.0;
-    for (int k = 0; k < 7; ++k) bend += amplitudes[k] * std::cos((k + 2) * angle + phases[k]) / (k + 2.5);
+    for (int k = 0; k < 7; ++k)
+      bend += amplitudes[k] * std::cos((k + 2) * angle + phases[k]) / (k + 2.5);
     const double r = radius * (1.0 + 0.22 * bend);
     points.emplace_back(r * std::cos(angle), r * std::sin(angle));
   }
@@ -90,12 +92,16 @@ void plant(Scene& scene,
       if (clearance < kind.clearance * std::max(1.0, scale)) continue;
       const auto& choice = clearance > kFar ? kind.far_prototypes : kind.prototypes;
       scene.instances.push_back({choice[static_cast<std::size_t>(pick)],
-                                 upright(x, y, ground(x, y) - 0.04, yaw), scale, {}});
+                                 upright(x, y, ground(x, y) - 0.04, yaw),
+                                 scale,
+                                 {}});
     }
   }
 }
 
-std::function<lie::SE3d(double)> stroll(const PlanarLoop& loop, const Ground& ground, Random& random) {
+std::function<lie::SE3d(double)> stroll(const PlanarLoop& loop,
+                                        const Ground& ground,
+                                        Random& random) {
   const Wobble gaze(random, 0.45, 0.04, 0.18);
   const Wobble pitch(random, 0.14, 0.06, 0.4);
   const Wobble roll(random, 0.12, 0.08, 0.5);
@@ -119,9 +125,9 @@ void light(Scene& scene, Random& random) {
   const double rise = random.uniform(0.7, 1.2);
   scene.lighting.ambient = 0.42F;
   scene.lighting.sun = 0.75F;
-  scene.lighting.to_sun =
-      Vector3d(std::cos(azimuth) * std::cos(rise), std::sin(azimuth) * std::cos(rise), std::sin(rise))
-          .cast<float>();
+  scene.lighting.to_sun = Vector3d(std::cos(azimuth) * std::cos(rise),
+                                   std::sin(azimuth) * std::cos(rise), std::sin(rise))
+                              .cast<float>();
 }
 
 }  // namespace
@@ -132,8 +138,9 @@ Scene make_forest(TextureBank& bank, Random random) {
   const Ground ground(random);
   const PlanarLoop loop = trail(random);
   const Paint soil = scene.paint(bank, Material::kGround, 2.6, random);
-  scene.fixed.add_terrain({-kHalfSize, -kHalfSize}, {kHalfSize, kHalfSize}, 0.5,
-                          [&](double x, double y) { return ground(x, y); }, soil);
+  scene.fixed.add_terrain(
+      {-kHalfSize, -kHalfSize}, {kHalfSize, kHalfSize}, 0.5,
+      [&](double x, double y) { return ground(x, y); }, soil);
   const Vegetation plants = grow_vegetation(scene, bank, random);
   plant(scene, loop, ground, plants, random);
   light(scene, random);

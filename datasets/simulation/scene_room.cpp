@@ -36,8 +36,8 @@ void add_shell(Scene& scene, const RoomShape& room, TextureBank& bank, Random& r
   const Vector3d y(0, room.width, 0);
   const Vector3d up(0, 0, room.height);
   const Vector3d corner(-0.5 * room.length, -0.5 * room.width, 0);
-  scene.fixed.add_quad(corner, x, y,
-                       scene.paint(bank, floors[random.integer(0, 2)], 1.8, random), 0.2);
+  scene.fixed.add_quad(corner, x, y, scene.paint(bank, floors[random.integer(0, 2)], 1.8, random),
+                       0.2);
   scene.fixed.add_quad(corner + y + up, x, -y, scene.paint(bank, Material::kCeiling, 2.2, random),
                        0.3);
   for (const Wall& wall : walls_of(room)) {
@@ -88,8 +88,9 @@ void light(Scene& scene, const RoomShape& room, const FurniturePaints& paints, R
   scene.lighting.ambient = 0.3F;
   for (const double x : {-0.25, 0.25}) {
     for (const double y : {-0.25, 0.25}) {
-      const Vector3d lamp(x * room.length + random.uniform(-0.3, 0.3),
-                          y * room.width + random.uniform(-0.3, 0.3), room.height - 0.25);
+      const double dx = random.uniform(-0.3, 0.3);
+      const double dy = random.uniform(-0.3, 0.3);
+      const Vector3d lamp(x * room.length + dx, y * room.width + dy, room.height - 0.25);
       const double power = random.uniform(1.2, 2.4);
       scene.lighting.lamps.push_back({lamp.cast<float>(), static_cast<float>(power)});
       scene.fixed.add_box(lie::SE3d(lie::SO3d(), lamp + Vector3d(0, 0, 0.2)), {0.6, 0.3, 0.06},

@@ -15,12 +15,12 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 // Distances from the middle of the road [m].
-constexpr double kLane = 1.75;       ///< middle of a lane
-constexpr double kParking = 4.45;    ///< middle of the row of parked cars
+constexpr double kLane = 1.75;     ///< middle of a lane
+constexpr double kParking = 4.45;  ///< middle of the row of parked cars
 constexpr double kKerb = 5.6;
 constexpr double kTrees = 6.4;
 constexpr double kFacades = 9.0;
-constexpr double kCorner = 9.0;      ///< radius of the road's middle line in the corners
+constexpr double kCorner = 9.0;  ///< radius of the road's middle line in the corners
 
 /// The road is a rounded rectangle about the origin, driven counter-clockwise on the right.
 struct Block {
@@ -131,8 +131,8 @@ void furnish(Scene& scene,
         if (what < 0.4) {
           const double scale = random.uniform(0.55, 0.8);
           const double yaw = random.uniform(0, 2 * M_PI);
-          scene.instances.push_back({plants.broadleaves[what < 0.2 ? 0 : 1],
-                                     place * upright(0, 0, 0, yaw), scale, {}});
+          scene.instances.push_back(
+              {plants.broadleaves[what < 0.2 ? 0 : 1], place * upright(0, 0, 0, yaw), scale, {}});
         } else {
           add_street_furniture(scene.fixed, place, paints, random);
         }
@@ -141,10 +141,7 @@ void furnish(Scene& scene,
   }
 }
 
-void park(Scene& scene,
-          const Block& block,
-          const std::vector<std::size_t>& cars,
-          Random& random) {
+void park(Scene& scene, const Block& block, const std::vector<std::size_t>& cars, Random& random) {
   for (std::size_t k = 0; k < 4; ++k) {
     const lie::SE3d side = sides_of(block)[k];
     const double half = half_length(block, k) - kCorner - 3.0;
@@ -154,8 +151,8 @@ void park(Scene& scene,
         const auto pick = random.integer(0, static_cast<std::int64_t>(cars.size()) - 1);
         const double yaw = (way > 0.0 ? M_PI : 0.0) + random.uniform(-0.03, 0.03);
         const double off = way * kParking + random.uniform(-0.1, 0.1);
-        scene.instances.push_back({cars[static_cast<std::size_t>(pick)],
-                                   side * upright(s, off, 0.0, yaw), 1.0, {}});
+        scene.instances.push_back(
+            {cars[static_cast<std::size_t>(pick)], side * upright(s, off, 0.0, yaw), 1.0, {}});
       }
     }
   }
@@ -181,8 +178,8 @@ void drive(Scene& scene,
   for (int i = 0; i < count; ++i) {
     const double phase = lap * (i + random.uniform(0.15, 0.85)) / count;
     const auto towards = [=](double t) { return pose_on(other_lane, t + phase); };
-    scene.instances.push_back({cars[1 + static_cast<std::size_t>(i) % (cars.size() - 1)],
-                               towards(0.0), 1.0, towards});
+    scene.instances.push_back(
+        {cars[1 + static_cast<std::size_t>(i) % (cars.size() - 1)], towards(0.0), 1.0, towards});
   }
 }
 
@@ -194,8 +191,8 @@ std::function<lie::SE3d(double)> ride(const PlanarLoop& loop, Random& random) {
     const PlanarLoop::Pose at = loop.at_time(t);
     // Bumps belong to the road: none while the car stands.
     const double bump = 0.125 * at.distance;
-    const lie::SO3d R = lie::SO3d::exp({0, 0, at.yaw}) *
-                        lie::SO3d::exp({roll(bump), 0.01 + pitch(bump), 0});
+    const lie::SO3d R =
+        lie::SO3d::exp({0, 0, at.yaw}) * lie::SO3d::exp({roll(bump), 0.01 + pitch(bump), 0});
     return lie::SE3d(R, {at.position.x(), at.position.y(), 1.6 + heave(bump)});
   };
 }
@@ -206,9 +203,9 @@ void light(Scene& scene, Random& random) {
   scene.lighting.ambient = 0.45F;
   scene.lighting.sun = 0.6F;
   scene.lighting.ambient_reach_m = 4.0F;
-  scene.lighting.to_sun =
-      Vector3d(std::cos(azimuth) * std::cos(rise), std::sin(azimuth) * std::cos(rise), std::sin(rise))
-          .cast<float>();
+  scene.lighting.to_sun = Vector3d(std::cos(azimuth) * std::cos(rise),
+                                   std::sin(azimuth) * std::cos(rise), std::sin(rise))
+                              .cast<float>();
 }
 
 }  // namespace

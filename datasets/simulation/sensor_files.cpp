@@ -50,8 +50,9 @@ std::string imu_file(const ImuNoise& noise) {
                      noise.accel_noise_density) +
          fmt::format("accelerometer_random_walk: {}   # [ m / s^3 / sqrt(Hz) ]\n\n",
                      noise.accel_random_walk) +
-         fmt::format("gyroscope_range: {}     # [ rad / s ]\naccelerometer_range: {} # [ m / s^2 ]\n",
-                     noise.gyro_range, noise.accel_range);
+         fmt::format(
+             "gyroscope_range: {}     # [ rad / s ]\naccelerometer_range: {} # [ m / s^2 ]\n",
+             noise.gyro_range, noise.accel_range);
 }
 
 std::string truth_file() {

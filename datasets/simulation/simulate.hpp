@@ -10,12 +10,12 @@
 namespace imslam::simulation {
 
 struct SimulationSummary {
-  std::size_t frames = 0;         ///< stereo pairs
+  std::size_t frames = 0;  ///< stereo pairs
   std::size_t imu_samples = 0;
-  double distance_m = 0.0;        ///< travelled by the body
-  double render_s = 0.0;          ///< mean time to render one pair with truth
-  double write_s = 0.0;           ///< mean time to encode and write one pair with truth
-  std::string textures;           ///< the bank that was used
+  double distance_m = 0.0;  ///< travelled by the body
+  double render_s = 0.0;    ///< mean time to render one pair with truth
+  double write_s = 0.0;     ///< mean time to encode and write one pair with truth
+  std::string textures;     ///< the bank that was used
 };
 
 using SimulationProgress = std::function<void(std::size_t done, std::size_t total)>;

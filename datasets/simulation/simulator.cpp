@@ -44,11 +44,12 @@ class Simulator::Implementation {
         right_rays_(rig_.right),
         left_sensor_(options_.image, rig_.left),
         right_sensor_(options_.image, rig_.right),
-        exposure_(options_, world_, left_rays_, motion_, rig_.T_body_left,
-                  random_.fork(kExposure)) {}
+        exposure_(
+            options_, world_, left_rays_, motion_, rig_.T_body_left, random_.fork(kExposure)) {}
 
   SimulatedFrame render(double time_s, const FrameRequest& request) {
-    expects(time_s >= 0.0 && time_s <= motion_.duration_s(), "Simulator::render: time out of range");
+    expects(time_s >= 0.0 && time_s <= motion_.duration_s(),
+            "Simulator::render: time out of range");
     world_.set_time(time_s);
     SimulatedFrame frame;
     frame.time_s = time_s;
@@ -60,8 +61,8 @@ class Simulator::Implementation {
     const auto noise = random_.fork(kImage).fork(static_cast<std::uint64_t>(frame.time_ns)).bits();
     const CameraMotion left = camera_motion(frame.truth, rig_.T_body_left);
     const CameraMotion right = camera_motion(frame.truth, rig_.T_body_right);
-    frame.right = shoot(right, right_rays_, right_sensor_, time_s, gain * exposure_.right_factor(),
-                        ~noise);
+    frame.right =
+        shoot(right, right_rays_, right_sensor_, time_s, gain * exposure_.right_factor(), ~noise);
     frame.left = shoot(left, left_rays_, left_sensor_, time_s, gain, noise);
     if (request.depth) frame.depth = depth_of(view_, left_rays_);
     if (request.flow_to_s) add_flow(*request.flow_to_s, left.T_world_camera, frame);
@@ -93,9 +94,8 @@ class Simulator::Implementation {
 
   void add_flow(double flow_to_s, const lie::SE3d& T_world_left0, SimulatedFrame& frame) const {
     const lie::SE3d T_world_left1 = motion_.at(flow_to_s).T_world_body * rig_.T_body_left;
-    Flow flow =
-        flow_of(view_, world_, left_rays_, rig_.left, T_world_left0, T_world_left1, frame.time_s,
-                flow_to_s);
+    Flow flow = flow_of(view_, world_, left_rays_, rig_.left, T_world_left0, T_world_left1,
+                        frame.time_s, flow_to_s);
     frame.flow = std::move(flow.displacement);
     frame.flow_valid = std::move(flow.valid);
   }
@@ -131,8 +131,7 @@ SimulatedFrame Simulator::render(double time_s, const FrameRequest& request) {
 }
 
 ImuModel Simulator::imu() const {
-  return ImuModel(imu_errors(), motion(), stamp_ns(0.0),
-                  implementation_->random_.fork(kImuNoise));
+  return ImuModel(imu_errors(), motion(), stamp_ns(0.0), implementation_->random_.fork(kImuNoise));
 }
 
 std::size_t Simulator::imu_count() const {

@@ -17,15 +17,15 @@ namespace imslam::simulation {
 /// A raw (distorted) stereo pair and what is true of it. Truth belongs to the left image's pixel
 /// centres; row major.
 struct SimulatedFrame {
-  double time_s = 0.0;         ///< middle of the exposure, since the start of the motion
-  std::int64_t time_ns = 0;    ///< stamp of the camera's clock
-  int width = 0;               ///< [px] of the left image
+  double time_s = 0.0;       ///< middle of the exposure, since the start of the motion
+  std::int64_t time_ns = 0;  ///< stamp of the camera's clock
+  int width = 0;             ///< [px] of the left image
   int height = 0;
   GrayImage left;
   GrayImage right;
-  MotionState truth;           ///< of the body
-  std::vector<float> depth;    ///< [m] along the optical axis, 0: sky; empty unless asked for
-  std::vector<float> flow;     ///< [px] column, row change to `flow_to_s`, interleaved; or empty
+  MotionState truth;         ///< of the body
+  std::vector<float> depth;  ///< [m] along the optical axis, 0: sky; empty unless asked for
+  std::vector<float> flow;   ///< [px] column, row change to `flow_to_s`, interleaved; or empty
   std::vector<std::uint8_t> flow_valid;  ///< 1: the point lies inside the left image at flow_to_s
 };
 

@@ -25,8 +25,8 @@ class Texture {
   float bilinear(std::size_t level, float u, float v) const;
 
   int size_ = 0;
-  std::vector<std::uint8_t> pixels_;   ///< all levels, finest first
-  std::vector<std::size_t> offsets_;   ///< of each level in pixels_
+  std::vector<std::uint8_t> pixels_;  ///< all levels, finest first
+  std::vector<std::size_t> offsets_;  ///< of each level in pixels_
 };
 
 }  // namespace imslam::simulation

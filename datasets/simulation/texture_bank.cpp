@@ -13,6 +13,8 @@ namespace imslam::simulation {
 namespace {
 
 constexpr int kTile = 512;
+constexpr double kDrawnShare = 0.6;
+constexpr double kLively = 8.0;                  ///< mean of the absolute Laplacian [grey levels]
 constexpr std::uintmax_t kSmallestFile = 30000;  // smaller pictures are icons and plain colours
 
 std::vector<std::filesystem::path> pictures_in(const std::vector<std::string>& folders) {
@@ -31,7 +33,7 @@ std::vector<std::filesystem::path> pictures_in(const std::vector<std::string>& f
 }
 
 /// A square piece of the photograph at a random place and scale, of side `size`.
-cv::Mat1b random_crop(const cv::Mat1b& photo, int size, Random& random) {
+cv::Mat1b random_piece(const cv::Mat1b& photo, int size, Random& random) {
   const int shorter = std::min(photo.cols, photo.rows);
   const double largest = shorter;
   const double smallest = std::min<double>(largest, 0.75 * size);
@@ -42,6 +44,24 @@ cv::Mat1b random_crop(const cv::Mat1b& photo, int size, Random& random) {
   cv::resize(photo(cv::Rect(x, y, side, side)), crop, cv::Size(size, size), 0, 0,
              side > size ? cv::INTER_AREA : cv::INTER_CUBIC);
   return crop;
+}
+
+/// A piece with something to see in it: wallpapers have large empty places.
+cv::Mat1b lively_piece(const cv::Mat1b& photo, int size, Random& random) {
+  constexpr int kTries = 8;
+  cv::Mat1b best;
+  double most = -1.0;
+  for (int i = 0; i < kTries && most < kLively; ++i) {
+    const cv::Mat1b piece = random_piece(photo, size, random);
+    cv::Mat1f edges;
+    cv::Laplacian(piece, edges, CV_32F);
+    const double detail = cv::norm(edges, cv::NORM_L1) / static_cast<double>(edges.total());
+    if (detail > most) {
+      most = detail;
+      best = piece;
+    }
+  }
+  return best;
 }
 
 /// A tile without seams: the piece beside its mirror images.
@@ -102,6 +122,17 @@ bool may_be_photo(Material material) {
   }
 }
 
+/// Adds the drawn material's detail: what photographs lack from near.
+void add_detail(cv::Mat1b& tile, const Texture& drawn, double mean) {
+  const int mask = drawn.size() - 1;
+  for (int y = 0; y < tile.rows; ++y) {
+    for (int x = 0; x < tile.cols; ++x) {
+      const double detail = drawn.pixels()[(y & mask) * drawn.size() + (x & mask)] - mean;
+      tile(y, x) = cv::saturate_cast<std::uint8_t>(tile(y, x) + kDrawnShare * detail);
+    }
+  }
+}
+
 Texture to_texture(const cv::Mat1b& tile) {
   const cv::Mat1b whole = tile.isContinuous() ? tile : tile.clone();
   return Texture(whole.cols, std::vector<std::uint8_t>(whole.begin(), whole.end()));
@@ -128,18 +159,21 @@ Texture TextureBank::make(Material material, Random random) const {
   if (files.empty() || !may_be_photo(material) || !random.chance(share)) {
     return draw_material(material, random.fork(1));
   }
-  const auto pick = static_cast<std::size_t>(
-      random.integer(0, static_cast<std::int64_t>(files.size()) - 1));
+  const auto pick =
+      static_cast<std::size_t>(random.integer(0, static_cast<std::int64_t>(files.size()) - 1));
   // Photographs are far larger than a tile; ground textures are not.
   const auto flags = on_ground ? cv::IMREAD_GRAYSCALE : cv::IMREAD_REDUCED_GRAYSCALE_2;
   const cv::Mat1b photo = cv::imread(files[pick].string(), flags);
   if (photo.empty() || std::min(photo.cols, photo.rows) < 64) {
     return draw_material(material, random.fork(1));
   }
-  if (wants_whole_picture(material)) return to_texture(random_crop(photo, kTile, random));
-  const double mean = 255.0 * draw_material(material, random.fork(1)).mean();
-  const cv::Mat1b piece = random_crop(photo, kTile, random);
-  return to_texture(mirrored(detail_only(piece, mean, random.uniform(0.8, 1.3))));
+  const cv::Mat1b piece = lively_piece(photo, kTile, random);
+  if (wants_whole_picture(material)) return to_texture(piece);
+  const Texture drawn = draw_material(material, random.fork(1));
+  const double mean = 255.0 * drawn.mean();
+  cv::Mat1b tile = mirrored(detail_only(piece, mean, random.uniform(0.8, 1.3)));
+  add_detail(tile, drawn, mean);
+  return to_texture(tile);
 }
 
 std::string TextureBank::description() const {

@@ -11,8 +11,8 @@ namespace imslam::simulation {
 std::vector<float> depth_of(const View& view, const RayTable& rays);
 
 struct Flow {
-  std::vector<float> displacement;   ///< [px] column and row change, interleaved
-  std::vector<std::uint8_t> valid;   ///< 1: lands inside the image
+  std::vector<float> displacement;  ///< [px] column and row change, interleaved
+  std::vector<std::uint8_t> valid;  ///< 1: lands inside the image
 };
 
 /// Where the points seen at t0 are in the same camera's image at t1, minus where they were.

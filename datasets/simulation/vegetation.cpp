@@ -14,8 +14,8 @@ constexpr double kFarShare = 0.22;
 
 struct Leafage {
   Paint paint;
-  double length;  ///< [m]
-  double slim;    ///< width over length
+  double length;       ///< [m]
+  double slim;         ///< width over length
   double share = 1.0;  ///< of the full number of leaves; fewer ones are larger
 };
 
@@ -60,7 +60,9 @@ Mesh broadleaf(const Paint& bark, const Leafage& leafage, Random& random) {
   Mesh mesh;
   const double height = random.uniform(7.0, 11.0);
   const double radius = random.uniform(0.13, 0.26);
-  const Vector3d lean(random.uniform(-0.06, 0.06), random.uniform(-0.06, 0.06), 1.0);
+  const double lean_x = random.uniform(-0.06, 0.06);
+  const double lean_y = random.uniform(-0.06, 0.06);
+  const Vector3d lean(lean_x, lean_y, 1.0);
   mesh.add_tube({0, 0, -0.2}, 0.35 * lean, 1.5 * radius, 1.05 * radius, 14, bark, 0.25);
   mesh.add_tube(0.35 * lean, height * lean, 1.05 * radius, 0.35 * radius, 12, bark, 0.8);
   const int boughs = static_cast<int>(random.integer(11, 15));

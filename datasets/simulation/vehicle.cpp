@@ -67,13 +67,19 @@ Mesh car(const CarPaints& paints, Random& random) {
   const double rear_window = random.uniform(-1.75, -1.0);
   const bool wagon = random.chance(0.4);
   Mesh mesh;
-  const Profile body{{{tail - 0.02, 0.4}, {tail, 0.86}, {-1.0, 0.93}, {0.9, 0.92}, {nose - 0.15, 0.74},
+  const Profile body{{{tail - 0.02, 0.4},
+                      {tail, 0.86},
+                      {-1.0, 0.93},
+                      {0.9, 0.92},
+                      {nose - 0.15, 0.74},
                       {nose, 0.4}},
                      {0.84, 0.86, 0.88, 0.88, 0.84, 0.8}};
   draw_out(mesh, body, 0.24, std::vector<bool>(5, false), paints.body, paints);
   const double back = wagon ? tail + 0.15 : rear_window - 0.35;
-  const Profile cabin{{{back, 0.9}, {wagon ? tail + 0.3 : rear_window + 0.3, roof - 0.03},
-                       {0.15, roof}, {0.95, 0.9}},
+  const Profile cabin{{{back, 0.9},
+                       {wagon ? tail + 0.3 : rear_window + 0.3, roof - 0.03},
+                       {0.15, roof},
+                       {0.95, 0.9}},
                       {0.78, 0.68, 0.68, 0.78}};
   draw_out(mesh, cabin, 0.88, {true, false, true}, paints.glass, paints);
   add_wheels(mesh, nose - 0.75, tail + 0.72, paints);

@@ -82,8 +82,7 @@ float filtered(const Texture& texture, const TexturePoint& p) {
   const float longest = std::sqrt(std::max(column, row)) * size;
   const float area = std::abs(p.du_column * p.dv_row - p.dv_column * p.du_row) * size * size;
   const float shortest = std::max(area / std::max(longest, 1e-9F), 0.35F);
-  const int taps =
-      std::clamp(static_cast<int>(longest / shortest + 0.5F), 1, kMostTaps);
+  const int taps = std::clamp(static_cast<int>(longest / shortest + 0.5F), 1, kMostTaps);
   const float lod = fast_log2(std::max(longest / static_cast<float>(taps), 0.25F));
   if (taps == 1) return texture.sample(p.u, p.v, lod);
   const float du = (column_longer ? p.du_column : p.du_row) / static_cast<float>(taps);
@@ -144,8 +143,7 @@ Seen World::look_at_sky(const Ray& ray) const {
   const float v = 0.25F * ray.direction.y() / up;
   const float pixel = ray.d_column.norm() * 0.25F / (up * up);
   const Texture& clouds = scene_.textures[scene_.sky_texture];
-  const float lod =
-      fast_log2(std::max(pixel * static_cast<float>(clouds.size()), 0.25F));
+  const float lod = fast_log2(std::max(pixel * static_cast<float>(clouds.size()), 0.25F));
   const float haze = std::min(1.0F, 5.0F * up);
   seen.radiance = haze * clouds.sample(u, v, lod) + (1.0F - haze) * 0.95F;
   return seen;

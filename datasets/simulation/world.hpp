@@ -27,16 +27,16 @@ struct Facet {
 struct Seen {
   float radiance = 0.0F;
   float distance = std::numeric_limits<float>::infinity();  ///< [m] along the unit ray; sky: inf
-  std::uint32_t surface = 0;    ///< differs between smooth pieces and between instances
-  std::uint32_t instance = 0;   ///< as in Hit; 0 for the sky, which does not move either
+  std::uint32_t surface = 0;   ///< differs between smooth pieces and between instances
+  std::uint32_t instance = 0;  ///< as in Hit; 0 for the sky, which does not move either
 };
 
 /// A ray and how it changes from one pixel to the next.
 struct Ray {
-  Eigen::Vector3f origin;      ///< [m] world
-  Eigen::Vector3f direction;   ///< unit, world
-  Eigen::Vector3f d_column;    ///< change of direction per pixel to the right
-  Eigen::Vector3f d_row;       ///< change of direction per pixel downwards
+  Eigen::Vector3f origin;     ///< [m] world
+  Eigen::Vector3f direction;  ///< unit, world
+  Eigen::Vector3f d_column;   ///< change of direction per pixel to the right
+  Eigen::Vector3f d_row;      ///< change of direction per pixel downwards
 };
 
 /// A scene at an instant: traces and shades rays.
@@ -47,7 +47,10 @@ class World {
   /// Moves the moving things to where they are at `time_s`.
   void set_time(double time_s);
 
-  void closest(const Eigen::Vector3f& origin, const RayPacket& rays, bool coherent, Hit* hits) const {
+  void closest(const Eigen::Vector3f& origin,
+               const RayPacket& rays,
+               bool coherent,
+               Hit* hits) const {
     tracer_.closest(origin, rays, coherent, hits);
   }
   bool occluded(const Eigen::Vector3f& origin, const Eigen::Vector3f& to, float share) const {
@@ -80,8 +83,8 @@ class World {
 
   Scene scene_;
   RayTracer tracer_;
-  std::vector<std::vector<Facet>> facets_;   ///< fixed mesh first, then the prototypes
-  std::vector<Placement> placements_;        ///< fixed mesh first, then the instances
+  std::vector<std::vector<Facet>> facets_;  ///< fixed mesh first, then the prototypes
+  std::vector<Placement> placements_;       ///< fixed mesh first, then the instances
   bool anything_moves_ = false;
 };
 
