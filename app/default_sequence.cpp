@@ -35,9 +35,8 @@ fs::path make_default_sequence(const fs::path& runs_root, bool quiet) {
   ProgressBar bar("render", !quiet);
   simulation::simulate(options, folder, [&](std::size_t done, std::size_t total) {
     bar.update(done, total);
-    return !interrupted();
+    if (interrupted()) throw InputError("interrupted while rendering", ExitCode::kInterrupted);
   });
-  if (interrupted()) throw InputError("interrupted while rendering", ExitCode::kInterrupted);
   write_file_atomic(folder / kStamp, recipe);
   return folder;
 }

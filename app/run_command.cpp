@@ -8,9 +8,11 @@
 #include <vector>
 
 #include "app/command.hpp"
+#include "app/default_sequence.hpp"
 #include "app/interrupt.hpp"
 #include "app/settings.hpp"
 #include "app/version.hpp"
+#include "datasets/check.hpp"
 #include "datasets/open_sequence.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/progress.hpp"
@@ -87,6 +89,12 @@ system::RunProvenance provenance(const Settings& settings,
   return result;
 }
 
+/// Exchanged images give a mirrored world: better no result than that one.
+void expect_stereo_order(datasets::Sequence& sequence) {
+  const auto finding = datasets::check_stereo_order(sequence);
+  if (finding) throw InputError(finding->what + "; " + finding->remedy, ExitCode::kCalibration);
+}
+
 ExitCode exit_code_of(const system::RunOutcome& outcome) {
   if (outcome.stopped) return ExitCode::kInterrupted;
   return outcome.result.tracking_lost ? ExitCode::kTrackingLost : ExitCode::kOk;
@@ -99,9 +107,11 @@ ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
   system::RunRequest request;
   parse_frames(arguments.frames, request);
 
-  const fs::path dataset =
-      arguments.dataset.empty() ? fs::path("runs/default") : fs::path(arguments.dataset);
+  const fs::path dataset = arguments.dataset.empty()
+                               ? make_default_sequence(arguments.runs, common.quiet)
+                               : fs::path(arguments.dataset);
   const auto sequence = datasets::open_sequence(dataset, arguments.format);
+  expect_stereo_order(*sequence);
   const fs::path folder =
       system::make_run_folder(arguments.runs, sequence->name(), arguments.out, arguments.force);
 

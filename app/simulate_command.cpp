@@ -42,10 +42,10 @@ ExitCode simulate(const SimulateArguments& arguments, bool quiet) {
   ProgressBar bar("simulate", !quiet);
   simulation::simulate(options, arguments.out, [&](std::size_t done, std::size_t total) {
     bar.update(done, total);
-    return !interrupted();
+    if (interrupted()) throw InputError("interrupted while rendering", ExitCode::kInterrupted);
   });
   std::printf("%s\n", arguments.out.c_str());
-  return interrupted() ? ExitCode::kInterrupted : ExitCode::kOk;
+  return ExitCode::kOk;
 }
 
 }  // namespace

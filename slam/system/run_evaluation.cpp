@@ -13,8 +13,11 @@ namespace {
 
 constexpr std::array<int, 6> kLengths = {1, 2, 5, 10, 20, 50};  // [m]
 
-PosePath in_frame_of_truth(const Trajectory& trajectory, const lie::SE3d& T_body_truth) {
+PosePath in_frame_of_truth(const Trajectory& trajectory,
+                           const lie::SE3d& T_body_truth,
+                           const std::string& frame) {
   PosePath path = evaluation::to_pose_path(trajectory);
+  path.frame = frame;
   const Eigen::Matrix4d T = T_body_truth.matrix();
   for (Eigen::Matrix4d& pose : path.poses) pose = (pose * T).eval();
   return path;
@@ -65,13 +68,22 @@ std::optional<RunEvaluation> evaluate_run(const SlamResult& result,
                                           const PosePath& truth,
                                           const lie::SE3d& T_body_truth) {
   try {
-    const PosePath graph = in_frame_of_truth(result.graph, T_body_truth);
-    const PosePath vo = in_frame_of_truth(result.vo_only, T_body_truth);
+    const PosePath graph = in_frame_of_truth(result.graph, T_body_truth, truth.frame);
+    const PosePath vo = in_frame_of_truth(result.vo_only, T_body_truth, truth.frame);
+    evaluation::EvaluationOptions options;
+    // KITTI's worlds are those of a camera: y points down.
+    if (truth.frame == "left") options.up_reference = -Eigen::Vector3d::UnitY();
     RunEvaluation run;
-    run.graph = evaluation::evaluate(truth, graph);
-    run.vo = evaluation::evaluate(truth, vo);
+    run.graph = evaluation::evaluate(truth, graph, options);
+    run.vo = evaluation::evaluate(truth, vo, options);
     if (result.online.size() > 1) {
-      run.online = evaluation::evaluate(truth, in_frame_of_truth(result.online, T_body_truth));
+      const PosePath online = in_frame_of_truth(result.online, T_body_truth, truth.frame);
+      run.online = evaluation::evaluate(truth, online, options);
+    }
+    if (!result.inertial) {
+      // Without gravity the estimate's world has no vertical to turn about.
+      run.graph.ate_posyaw_rmse_m.reset();
+      run.vo.ate_posyaw_rmse_m.reset();
     }
     run.graph_by_length = errors_by_length(truth, graph);
     run.vo_by_length = errors_by_length(truth, vo);

@@ -31,6 +31,9 @@ void SystemOptions::describe(Config& config) {
                "[s] standard deviation of the time offset before looking");
   config.field("gyro_bias_prior", gyro_bias_prior, "[rad/s] standard deviation before looking");
   config.field("accel_bias_prior", accel_bias_prior, "[m/s^2] standard deviation before looking");
+  config.field("gyro_noise_factor", gyro_noise_factor, "real over stated white noise of the gyro");
+  config.field("accel_noise_factor", accel_noise_factor,
+               "real over stated white noise of the accelerometer");
   config.field("relinearisations", relinearisations,
                "how often at most the IMU is integrated anew at the biases found");
   config.field("covariances", covariances, "compute the uncertainty of the final states");
@@ -51,6 +54,8 @@ void SystemOptions::validate() const {
   positive("time_offset_prior_s", time_offset_prior_s);
   positive("gyro_bias_prior", gyro_bias_prior);
   positive("accel_bias_prior", accel_bias_prior);
+  positive("gyro_noise_factor", gyro_noise_factor);
+  positive("accel_noise_factor", accel_noise_factor);
   positive("zero_velocity_sigma", zero_velocity_sigma);
   positive("map_max_depth_baselines", map_max_depth_baselines);
   positive("map_voxel_m", map_voxel_m);
@@ -63,6 +68,7 @@ void SystemOptions::validate() const {
 void SlamOptions::describe(Config& config) {
   config.section("system", system);
   config.section("vo", vo);
+  config.section("disparity_offset", disparity_offset);
   config.section("imu", preintegration);
   config.section("gyro_alignment", gyro_alignment);
   config.section("still", still);
@@ -73,6 +79,7 @@ void SlamOptions::describe(Config& config) {
 void SlamOptions::validate() const {
   system.validate();
   vo.validate();
+  disparity_offset.validate();
   preintegration.validate();
   gyro_alignment.validate();
   still.validate();

@@ -6,6 +6,7 @@
 #include "imu_net/preintegration.hpp"
 #include "imu_net/static_detector.hpp"
 #include "pgo/options.hpp"
+#include "vo_net/disparity_offset.hpp"
 #include "vo_net/visual_odometry.hpp"
 
 namespace imslam {
@@ -28,6 +29,8 @@ struct SystemOptions {
   double time_offset_prior_s = 0.02;       ///< likewise
   double gyro_bias_prior = 0.1;            ///< [rad/s] likewise
   double accel_bias_prior = 0.2;           ///< [m/s^2] likewise
+  double gyro_noise_factor = 2.0;          ///< [1] on the datasheet's density: see README, "noise"
+  double accel_noise_factor = 8.0;  ///< [1] likewise; vibration and scale errors count as noise
   int relinearisations = 4;  ///< the IMU is integrated anew at the biases found, at most so often
   bool covariances = true;   ///< of the final states, for the report
 
@@ -46,6 +49,7 @@ struct SystemOptions {
 struct SlamOptions {
   SystemOptions system;
   vo::VoOptions vo;
+  vo::DisparityOffsetOptions disparity_offset;
   imu::PreintegrationOptions preintegration;
   imu::GyroAlignmentOptions gyro_alignment;
   imu::StaticDetectorOptions still;

@@ -20,9 +20,13 @@ class SlamSystem::State {
         const std::optional<ImuNoise>& imu_noise)
       : options_(options),
         odometry_(options.vo, camera),
+        disparity_offset_(options.disparity_offset),
         map_sampler_(camera, options.system),
         inertial_(imu_noise.has_value()) {
-    if (imu_noise) measurements_.imu_noise = *imu_noise;
+    if (!imu_noise) return;
+    measurements_.imu_noise = *imu_noise;
+    measurements_.imu_noise.gyro_noise_density *= options.system.gyro_noise_factor;
+    measurements_.imu_noise.accel_noise_density *= options.system.accel_noise_factor;
   }
 
   void add_imu(const ImuSample& sample) {
@@ -60,6 +64,7 @@ class SlamSystem::State {
       seen = odometry_.process(frame, predict(frame.time_ns));
     }
     count(frame, seen);
+    disparity_offset_.add(seen.pose);
     const bool vision = seen.motion.valid;
     if (vision) measurements_.odometry.push_back(seen.motion);
     for (const RelativeMotion& skip : seen.skip_motions) {
@@ -92,8 +97,15 @@ class SlamSystem::State {
     return vo::MotionPrior{motion.dR, std::nullopt};
   }
 
+  /// What vision alone says about the rectification.
+  Estimate seen_disparity_offset() const {
+    const auto estimate = disparity_offset_.estimate();
+    return {estimate.offset_px, estimate.sigma_px};
+  }
+
   SlamOptions options_;
   vo::VisualOdometry odometry_;
+  vo::DisparityOffsetEstimator disparity_offset_;
   MapSampler map_sampler_;
   Measurements measurements_;
   bool inertial_;
@@ -123,7 +135,7 @@ SlamResult SlamSystem::State::finish() {
   BatchEstimate batch;
   {
     const StageScope scope(result_.timing, "batch graph");
-    batch = estimate_batch(measurements_, Estimate{odometry_.disparity_offset(), {}}, options_);
+    batch = estimate_batch(measurements_, seen_disparity_offset(), options_);
   }
   for (const pgo::State& state : batch.graph.states) {
     result_.graph.add(state.time_ns, state.nav.T_world_body);
