@@ -22,7 +22,26 @@ double huber_weight(double normalised, double width) {
   return size <= width ? 1.0 : width / size;
 }
 
-/// Variance between readings beyond their own, by the method of moments.
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::vector<double> weights_around_median(const std::vector<Reading>& readings, double width) {
+  std::vector<double> values;
+  for (const Reading& r : readings) values.push_back(r.value);
+  const double center = median(values);
+  for (double& v : values) v = std::abs(v - center);
+  const double scale = std::max(1.4826 * median(values), 1e-9);  // of a normal distribution
+  std::vector<double> weights;
+  for (const Reading& r : readings) {
+    weights.push_back(huber_weight((r.value - center) / scale, width));
+  }
+  return weights;
+}
+
+/// Variance between readings beyond their own, by the method of moments on weighted deviations.
 double between_variance(const std::vector<Reading>& readings, const std::vector<double>& weights) {
   double sum = 0.0;
   double squares = 0.0;
@@ -36,7 +55,7 @@ double between_variance(const std::vector<Reading>& readings, const std::vector<
   mean /= sum;
   double q = 0.0;
   for (std::size_t i = 0; i < readings.size(); ++i) {
-    q += weights[i] / readings[i].variance * std::pow(readings[i].value - mean, 2);
+    q += std::pow(weights[i] * (readings[i].value - mean), 2) / readings[i].variance;
   }
   const double denominator = sum - squares / sum;
   const double freedom = static_cast<double>(readings.size()) - 1.0;
@@ -44,6 +63,15 @@ double between_variance(const std::vector<Reading>& readings, const std::vector<
 }
 
 }  // namespace
+
+RelativeMotion with_disparity_offset(const RelativeMotion& motion, double offset_px) {
+  RelativeMotion corrected = motion;
+  const double change = offset_px - motion.disparity_offset;
+  corrected.T_body0_body1 =
+      motion.T_body0_body1 * lie::SE3d::exp(motion.J_disparity_offset * change);
+  corrected.disparity_offset = offset_px;
+  return corrected;
+}
 
 void DisparityOffsetOptions::describe(Config& config) {
   config.field("block", block, "frames averaged before the scatter is judged");
@@ -93,7 +121,7 @@ DisparityOffsetEstimate DisparityOffsetEstimator::estimate() const {
   std::vector<Reading> readings;
   for (const Block& b : blocks_)
     readings.push_back({b.weighted / b.information, 1.0 / b.information});
-  std::vector<double> weights(readings.size(), 1.0);
+  std::vector<double> weights = weights_around_median(readings, options_.kernel_width);
   for (int round = 0; round < kRounds; ++round) {
     const double tau2 = between_variance(readings, weights);
     double information = prior;

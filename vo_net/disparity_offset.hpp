@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "slam/base/config.hpp"
+#include "slam/sensors/motion.hpp"
 #include "vo_net/pose_layer.hpp"
 
 namespace imslam::vo {
@@ -14,6 +15,10 @@ struct DisparityOffsetEstimate {
   double sigma_px = 1.0;  ///< standard deviation, scatter between scenes included
   int frames = 0;
 };
+
+/// The motion as it would have come out with that offset, to first order:
+/// T Exp(J_disparity_offset (offset - motion.disparity_offset)).
+RelativeMotion with_disparity_offset(const RelativeMotion& motion, double offset_px);
 
 struct DisparityOffsetOptions {
   int block = 10;             ///< [frames] that share a scene, averaged before scatter is judged

@@ -49,10 +49,12 @@ class KltMatcher::State {
       : options(options_in), camera(camera_in) {
     options.validate();
     align.window = options.window;
+    align.smoothing = options.smoothing;
   }
 
   MatchResult match(const StereoFrame& frame, const lie::SE3d& T_left0_left1);
   void drop(const std::vector<std::int64_t>& ids);
+  void forget_newest();
 
   KltOptions options;
   StereoCamera camera;
@@ -83,16 +85,20 @@ class KltMatcher::State {
     return 1.0 / (variance + options.sigma_floor * options.sigma_floor);
   }
   void add_corners();
+  void match_previous(const lie::SE3d& T_left0_left1, FrameMatch& match);
   void match_keyframe(MatchResult& result);
+  void tend_keyframe(std::int64_t time_ns, MatchResult& result);
   void replace_keyframe(std::int64_t time_ns);
 
   AlignOptions align;
   ImagePyramid left_before_;
   ImagePyramid left_;
   ImagePyramid right_;
+  std::int64_t time_ns_ = 0;  // of the newest frame
   std::int64_t time_before_ns_ = 0;
-  bool has_frame_ = false;
+  int frames_ = 0;
   std::vector<Track> tracks_;
+  std::vector<Track> tracks_before_;  // as they were in the frame before
   std::int64_t next_id_ = 0;
   Keyframe keyframe_;
 };
@@ -198,51 +204,53 @@ void KltMatcher::State::replace_keyframe(std::int64_t time_ns) {
   keyframe_.tracks = tracks_;
 }
 
+void KltMatcher::State::match_previous(const lie::SE3d& T_left0_left1, FrameMatch& match) {
+  const auto survivors = [](const std::vector<Followed>& all) {
+    return std::count_if(all.begin(), all.end(),
+                         [](const Followed& f) { return f.match.has_value(); });
+  };
+  std::vector<Followed> followed = follow_all(T_left0_left1.inverse());
+  if (static_cast<double>(survivors(followed)) <
+      kMinSurvivors * static_cast<double>(tracks_.size())) {
+    std::vector<Followed> at_rest = follow_all(lie::SE3d());
+    if (survivors(at_rest) > survivors(followed)) followed = std::move(at_rest);
+  }
+  tracks_.clear();
+  for (const Followed& f : followed) {
+    if (!f.match) continue;
+    match.correspondences.push_back(*f.match);
+    tracks_.push_back(f.track);
+  }
+}
+
+void KltMatcher::State::tend_keyframe(std::int64_t time_ns, MatchResult& result) {
+  if (frames_ > 0 && ++keyframe_.age >= 2) match_keyframe(result);
+  const bool outrun = !result.earlier.empty() &&
+                      static_cast<double>(result.earlier.front().correspondences.size()) <
+                          options.keyframe_overlap * static_cast<double>(tracks_.size());
+  if (frames_ > 0 && keyframe_.age < options.keyframe_age && !outrun) return;
+  add_corners();
+  replace_keyframe(time_ns);
+}
+
 MatchResult KltMatcher::State::match(const StereoFrame& frame, const lie::SE3d& T_left0_left1) {
   std::swap(left_, left_before_);
+  time_before_ns_ = std::exchange(time_ns_, frame.time_ns);
+  tracks_before_ = tracks_;
   left_.build(frame.left, options.levels, options.smoothing);
   right_.build(frame.right, options.levels, options.smoothing);
 
   MatchResult result;
   result.previous.time0_ns = time_before_ns_;
-  if (has_frame_) {
-    const auto survivors = [](const std::vector<Followed>& all) {
-      return std::count_if(all.begin(), all.end(),
-                           [](const Followed& f) { return f.match.has_value(); });
-    };
-    std::vector<Followed> followed = follow_all(T_left0_left1.inverse());
-    if (static_cast<double>(survivors(followed)) <
-        kMinSurvivors * static_cast<double>(tracks_.size())) {
-      std::vector<Followed> at_rest = follow_all(lie::SE3d());
-      if (survivors(at_rest) > survivors(followed)) followed = std::move(at_rest);
-    }
-    tracks_.clear();
-    for (const Followed& f : followed) {
-      if (!f.match) continue;
-      result.previous.correspondences.push_back(*f.match);
-      tracks_.push_back(f.track);
-    }
-  }
-  if (options.keyframe_age > 0) {
-    const auto kept = static_cast<double>(tracks_.size());
-    if (has_frame_ && ++keyframe_.age >= 2) match_keyframe(result);
-    if (!has_frame_ || keyframe_.age >= options.keyframe_age || result.earlier.empty() ||
-        static_cast<double>(result.earlier.front().correspondences.size()) <
-            options.keyframe_overlap * kept) {
-      if (keyframe_.age != 1) {
-        add_corners();
-        replace_keyframe(frame.time_ns);
-      }
-    }
-  }
+  if (frames_ > 0) match_previous(T_left0_left1, result.previous);
+  if (options.keyframe_age > 0) tend_keyframe(frame.time_ns, result);
   add_corners();
   for (const Track& track : tracks_) {
     result.points.push_back({track.left, track.disparity.value,
                              information(track.disparity.variance), track.disparity.row_error,
                              track.id});
   }
-  time_before_ns_ = frame.time_ns;
-  has_frame_ = true;
+  ++frames_;
   return result;
 }
 
@@ -254,6 +262,16 @@ void KltMatcher::State::drop(const std::vector<std::int64_t>& ids) {
                                  return std::binary_search(sorted.begin(), sorted.end(), track.id);
                                }),
                 tracks_.end());
+}
+
+void KltMatcher::State::forget_newest() {
+  expects(frames_ > 0, "KltMatcher::forget_newest: there is no frame");
+  std::swap(left_, left_before_);
+  tracks_ = std::move(tracks_before_);
+  tracks_before_.clear();
+  if (keyframe_.time_ns == time_ns_) keyframe_.tracks.clear();  // it was the forgotten frame
+  time_ns_ = time_before_ns_;
+  --frames_;
 }
 
 KltMatcher::KltMatcher(const KltOptions& options, const StereoCamera& camera)
@@ -268,6 +286,8 @@ MatchResult KltMatcher::match(const StereoFrame& frame, const lie::SE3d& T_body0
 }
 
 void KltMatcher::drop(const std::vector<std::int64_t>& track_ids) { state_->drop(track_ids); }
+
+void KltMatcher::forget_newest() { state_->forget_newest(); }
 
 void KltMatcher::reset() { state_ = std::make_unique<State>(state_->options, state_->camera); }
 

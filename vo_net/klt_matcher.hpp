@@ -10,18 +10,18 @@
 namespace imslam::vo {
 
 struct KltOptions {
-  int max_points = 700;           ///< about; at most one point per cell of a grid
+  int max_points = 500;           ///< about; at most one point per cell of a grid
   int levels = 4;                 ///< of the image pyramid
   int window = 15;                ///< [px] odd, <= 23: side of the patches followed over time
   int stereo_window = 15;         ///< [px] odd, <= 23: side of the patches followed left to right
-  double smoothing = 0.0;         ///< [px] sigma of the Gaussian on the images, 0: none
-  double min_correlation = 0.8;   ///< [1] of a patch with its match
+  double smoothing = 0.8;         ///< [px] sigma of the Gaussian on the images, 0: none
+  double min_correlation = 0.7;   ///< [1] of a patch with its match
   double max_round_trip = 0.5;    ///< [px] forward and backward must meet
-  double max_row_error = 1.5;     ///< [px] between left and right
+  double max_row_error = 2.0;     ///< [px] between left and right
   bool stereo_along_row = false;  ///< search the right image on the same row only
   double max_disparity = 0.25;    ///< [image widths]
-  double min_quality = 4.0;       ///< [grey^2/px^2] smaller eigenvalue of the structure tensor
-  double sigma_floor = 0.1;       ///< [px] error of a match that texture does not explain
+  double min_quality = 2.0;       ///< [grey^2/px^2] smaller eigenvalue of the structure tensor
+  double sigma_floor = 0.05;      ///< [px] error of a match that texture does not explain
   int keyframe_age = 0;           ///< [frames] skip edges reach back so far; 0: none
   double keyframe_overlap = 0.5;  ///< [1] share of points below which a keyframe is replaced
 
@@ -41,6 +41,7 @@ class KltMatcher final : public Matcher {
 
   MatchResult match(const StereoFrame& frame, const lie::SE3d& T_body0_body1_predicted) override;
   void drop(const std::vector<std::int64_t>& track_ids) override;
+  void forget_newest() override;
   void reset() override;
 
  private:

@@ -46,6 +46,10 @@ class Matcher {
   /// Tells that these tracks contradict the motion that was found: they are not followed further.
   virtual void drop(const std::vector<std::int64_t>& track_ids) = 0;
 
+  /// As though the newest frame had never come: the next one is matched with the frame before it.
+  /// For frames that turned out useless. Once per match().
+  virtual void forget_newest() = 0;
+
   /// Forgets all frames, e.g. after a cut.
   virtual void reset() = 0;
 };

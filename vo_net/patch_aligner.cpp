@@ -12,6 +12,7 @@ namespace {
 
 using Lane = Eigen::Array<float, 4, 1>;
 
+constexpr double kPi = 3.14159265358979323846;
 constexpr double kOutside = 8.0;  // [px] a patch centre may leave the image by, on the way
 constexpr double kMinTexture =
     0.02;                          // [grey^2/px^2] smaller eigenvalue of the mean structure tensor
@@ -50,11 +51,6 @@ struct Sampler {
     return w00 * Eigen::Map<const Lane>(p) + w01 * Eigen::Map<const Lane>(p + 1) +
            w10 * Eigen::Map<const Lane>(q) + w11 * Eigen::Map<const Lane>(q + 1);
   }
-  float one(int row, int column) const {
-    const float* p = pixels + row * stride + column;
-    return w00 * p[0] + w01 * p[1] + w10 * p[stride] + w11 * p[stride + 1];
-  }
-
   int x0;
   int y0;
   const float* pixels;
@@ -62,16 +58,24 @@ struct Sampler {
   float w00, w01, w10, w11;
 };
 
+/// How much more the noise of a patch weighs than that of as many independent pixels. Smoothing by
+/// a kernel k lowers a pixel's variance by sum k^2 but not that of slow variations, which decide
+/// where a patch lies; for a Gaussian 1 / sum k^2 = 4 pi sigma^2. Bilinear interpolation adds 1/6
+/// px^2.
+double noise_correlation(double smoothing) {
+  return std::max(1.0, 4.0 * kPi * (smoothing * smoothing + 1.0 / 6.0));
+}
+
 Eigen::Vector2d top_left_of(const Eigen::Vector2d& center, int window) {
   return center - Eigen::Vector2d::Constant(0.5 * (window - 1));
 }
 
 }  // namespace
 
-/// Weighted sums of the target patch against the template.
+/// Sums of the target patch I, less the template's mean, against the template.
 struct PatchTemplate::Sums {
-  Eigen::Vector4d against;  ///< [w Tx, w Ty, w T, w] . I
-  double square = 0.0;      ///< sum w I^2
+  Eigen::Vector4d against;  ///< [dT/dx, dT/dy, T, 1] . I
+  double square = 0.0;      ///< I . I
 };
 
 bool PatchTemplate::take(const ImagePyramid::Level& level,
@@ -80,46 +84,75 @@ bool PatchTemplate::take(const ImagePyramid::Level& level,
   if (!reachable(level, center)) return false;
   window_ = window;
   lanes_ = (window + 3) / 4 * 4;
+  mask_.setZero();
+  mask_.head(window).setOnes();
+  count_ = static_cast<double>(window) * window;
 
   // One pixel more on each side, for the differences.
-  std::array<std::array<float, kMaxWindow + 2>, kMaxWindow + 2> value{};
+  std::array<std::array<float, kLanes + 8>, kMaxWindow + 2> wide;
   const Sampler sampler(level, top_left_of(center, window + 2));
+  Lane sum = Lane::Zero();
   for (int r = 0; r < window + 2; ++r) {
-    for (int c = 0; c < window + 2; ++c) value[r][c] = sampler.one(r, c);
-  }
-  double sum = 0.0;
-  for (int r = 1; r <= window; ++r) {
-    for (int c = 1; c <= window; ++c) sum += static_cast<double>(value[r][c]);
-  }
-  weights_ = static_cast<double>(window) * window;
-  mean_ = sum / weights_;
-  const auto mean = static_cast<float>(mean_);
-
-  Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
-  for (int r = 0; r < window; ++r) {
-    for (int c = 0; c < lanes_; ++c) {
-      const bool used = c < window;
-      const float w = used ? 1.0F : 0.0F;
-      const float x = used ? 0.5F * (value[r + 1][c + 2] - value[r + 1][c]) : 0.0F;
-      const float y = used ? 0.5F * (value[r + 2][c + 1] - value[r][c + 1]) : 0.0F;
-      const float v = used ? value[r + 1][c + 1] - mean : 0.0F;
-      weighted_x_(c, r) = w * x;
-      weighted_y_(c, r) = w * y;
-      weighted_value_(c, r) = w * v;
-      weight_(c, r) = w;
-      const Eigen::Vector4d row(x, y, v, 1.0);
-      if (used) normal.noalias() += static_cast<double>(w) * (row * row.transpose());
+    float* row = wide[static_cast<std::size_t>(r)].data();
+    for (int c = 0; c < window + 2; c += 4) Eigen::Map<Lane>(row + c) = sampler.four(r, c);
+    if (r == 0 || r > window) continue;
+    for (int c = 0; c < lanes_; c += 4) {
+      sum += mask_.segment<4>(c) * Eigen::Map<const Lane>(row + c + 1);
     }
   }
+  mean_ = static_cast<double>(sum.sum()) / count_;
+  const auto mean = static_cast<float>(mean_);
+  for (int r = 0; r < window; ++r) {
+    const float* above = wide[static_cast<std::size_t>(r)].data();
+    const float* here = wide[static_cast<std::size_t>(r) + 1].data();
+    const float* below = wide[static_cast<std::size_t>(r) + 2].data();
+    for (int c = 0; c < lanes_; c += 4) {
+      const Lane mask = mask_.segment<4>(c);
+      Eigen::Map<Lane>(&x_(c, r)) =
+          0.5F * mask * (Eigen::Map<const Lane>(here + c + 2) - Eigen::Map<const Lane>(here + c));
+      Eigen::Map<Lane>(&y_(c, r)) =
+          0.5F * mask *
+          (Eigen::Map<const Lane>(below + c + 1) - Eigen::Map<const Lane>(above + c + 1));
+      Eigen::Map<Lane>(&value_(c, r)) = mask * (Eigen::Map<const Lane>(here + c + 1) - mean);
+    }
+  }
+  return factor_normal_matrix();
+}
+
+bool PatchTemplate::factor_normal_matrix() {
+  Lane xx = Lane::Zero(), xy = Lane::Zero(), yy = Lane::Zero(), xv = Lane::Zero();
+  Lane yv = Lane::Zero(), vv = Lane::Zero(), x1 = Lane::Zero(), y1 = Lane::Zero();
+  for (int r = 0; r < window_; ++r) {
+    for (int c = 0; c < lanes_; c += 4) {
+      const Lane x = Eigen::Map<const Lane>(&x_(c, r));
+      const Lane y = Eigen::Map<const Lane>(&y_(c, r));
+      const Lane v = Eigen::Map<const Lane>(&value_(c, r));
+      xx += x * x;
+      xy += x * y;
+      yy += y * y;
+      xv += x * v;
+      yv += y * v;
+      vv += v * v;
+      x1 += x;
+      y1 += y;
+    }
+  }
+  const auto total = [](const Lane& lane) { return static_cast<double>(lane.sum()); };
+  Eigen::Matrix4d normal;  // of [dx dy gain offset]; T has no mean left
+  normal << total(xx), total(xy), total(xv), total(x1),  //
+      total(xy), total(yy), total(yv), total(y1),        //
+      total(xv), total(yv), total(vv), 0.0,              //
+      total(x1), total(y1), 0.0, count_;
   energy_ = normal(2, 2);
-  const Eigen::Matrix2d tensor = normal.topLeftCorner<2, 2>() / weights_;
+  const Eigen::Matrix2d tensor = normal.topLeftCorner<2, 2>() / count_;
   const double half_trace = 0.5 * tensor.trace();
   const double smaller =
       half_trace - std::sqrt(std::max(0.0, half_trace * half_trace - tensor.determinant()));
   if (!(smaller > kMinTexture)) return false;
   inverse_full_ = normal.inverse();
   Eigen::Matrix3d row_normal;
-  row_normal << normal(0, 0), normal(0, 2), normal(0, 3), normal(2, 0), normal(2, 2), normal(2, 3),
+  row_normal << normal(0, 0), normal(0, 2), normal(0, 3),  //
+      normal(2, 0), normal(2, 2), normal(2, 3),            //
       normal(3, 0), normal(3, 2), normal(3, 3);
   inverse_row_ = row_normal.inverse();
   return inverse_full_.allFinite() && inverse_row_.allFinite();
@@ -129,45 +162,39 @@ PatchTemplate::Sums PatchTemplate::sums_at(const ImagePyramid::Level& level,
                                            const Eigen::Vector2d& position) const {
   const Sampler sampler(level, top_left_of(position, window_));
   const auto mean = static_cast<float>(mean_);
-  Lane x = Lane::Zero();
-  Lane y = Lane::Zero();
-  Lane v = Lane::Zero();
-  Lane w = Lane::Zero();
+  Lane x = Lane::Zero(), y = Lane::Zero(), v = Lane::Zero(), one = Lane::Zero();
   Lane square = Lane::Zero();
   for (int r = 0; r < window_; ++r) {
-    const float* wx = &weighted_x_(0, r);
-    const float* wy = &weighted_y_(0, r);
-    const float* wv = &weighted_value_(0, r);
-    const float* ww = &weight_(0, r);
     for (int c = 0; c < lanes_; c += 4) {
-      const Lane value = sampler.four(r, c) - mean;
-      const Lane weighted = Eigen::Map<const Lane>(ww + c) * value;
-      x += Eigen::Map<const Lane>(wx + c) * value;
-      y += Eigen::Map<const Lane>(wy + c) * value;
-      v += Eigen::Map<const Lane>(wv + c) * value;
-      w += weighted;
-      square += weighted * value;
+      const Lane value = mask_.segment<4>(c) * (sampler.four(r, c) - mean);
+      x += Eigen::Map<const Lane>(&x_(c, r)) * value;
+      y += Eigen::Map<const Lane>(&y_(c, r)) * value;
+      v += Eigen::Map<const Lane>(&value_(c, r)) * value;
+      one += value;
+      square += value * value;
     }
   }
   Sums sums;
   sums.against << static_cast<double>(x.sum()), static_cast<double>(y.sum()),
-      static_cast<double>(v.sum()), static_cast<double>(w.sum());
+      static_cast<double>(v.sum()), static_cast<double>(one.sum());
   sums.square = static_cast<double>(square.sum());
   return sums;
 }
 
 Alignment PatchTemplate::finish(const Sums& sums,
                                 const Eigen::Vector2d& position,
+                                double smoothing,
                                 bool along_row) const {
   Alignment result;
   result.position = position;
-  const double mean_part = sums.against[3] * sums.against[3] / weights_;
+  const double mean_part = sums.against[3] * sums.against[3] / count_;
   const double target_energy = std::max(sums.square - mean_part, 0.0);
   result.correlation = sums.against[2] / std::sqrt(energy_ * target_energy + 1e-9);
   result.gain = sums.against[2] / energy_;
   const double residual =
       std::max(0.0, target_energy - sums.against[2] * sums.against[2] / energy_);
-  const double variance = residual / (weights_ - 4.0) / (result.gain * result.gain + 1e-12);
+  const double variance = noise_correlation(smoothing) * residual / (count_ - 4.0) /
+                          (result.gain * result.gain + 1e-12);
   if (along_row) {
     result.covariance = variance * inverse_row_(0, 0) * Eigen::Matrix2d::Identity();
   } else {
@@ -206,13 +233,13 @@ Alignment PatchTemplate::align(const ImagePyramid::Level& level,
     if (length < options.precision) break;
   }
   if (!reachable(level, position)) return {};
-  return finish(sums_at(level, position), position, along_row);
+  return finish(sums_at(level, position), position, options.smoothing, along_row);
 }
 
 double PatchTemplate::correlation_at(const ImagePyramid::Level& level,
                                      const Eigen::Vector2d& position) const {
   if (!reachable(level, position)) return -1.0;
-  return finish(sums_at(level, position), position, true).correlation;
+  return finish(sums_at(level, position), position, 0.0, true).correlation;
 }
 
 Alignment align_patch(const ImagePyramid& from,

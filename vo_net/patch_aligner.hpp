@@ -11,6 +11,7 @@ struct AlignOptions {
   int max_iterations = 12;  ///< per level
   double precision = 0.01;  ///< [px] last step at full size
   double max_step = 2.0;    ///< [px] one step at most; a longer one points out of the linear range
+  double smoothing = 0.0;   ///< [px] that the images were built with: makes neighbours' noise alike
 };
 
 /// Where a patch was found again.
@@ -22,9 +23,9 @@ struct Alignment {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [px^2] from noise and texture
 };
 
-/// A small weighted window of one image, ready to be found in another one.
+/// A small window of one image, ready to be found in another one.
 ///
-///   min over p, gain, offset of  sum_x w(x) (I(x + p) - gain T(x) - offset)^2
+///   min over p, gain, offset of  sum_x (I(x + p) - gain T(x) - offset)^2
 ///
 /// Lucas-Kanade in its inverse compositional form: the normal matrix belongs to the template and is
 /// factored once, so that an iteration is one interpolation and four dot products. Gain and offset
@@ -46,23 +47,28 @@ class PatchTemplate {
   double correlation_at(const ImagePyramid::Level& level, const Eigen::Vector2d& position) const;
 
   static constexpr int kMaxWindow = 23;
-  static constexpr int kLanes = 24;  // rows are padded with zero weights to a multiple of 4
+  static constexpr int kLanes = 24;  // rows are padded with zeros to a multiple of 4
 
  private:
   struct Sums;
   Sums sums_at(const ImagePyramid::Level& level, const Eigen::Vector2d& position) const;
-  Alignment finish(const Sums& sums, const Eigen::Vector2d& position, bool along_row) const;
+  Alignment finish(const Sums& sums,
+                   const Eigen::Vector2d& position,
+                   double smoothing,
+                   bool along_row) const;
+
+  bool factor_normal_matrix();
 
   using Rows = Eigen::Matrix<float, kLanes, kMaxWindow>;  // column r holds row r of the patch
-  Rows weighted_x_;                                       // w dT/dx
-  Rows weighted_y_;                                       // w dT/dy
-  Rows weighted_value_;                                   // w (T - mean)
-  Rows weight_;                                           // w
+  Rows x_;                                                // dT/dx
+  Rows y_;                                                // dT/dy
+  Rows value_;                                            // T - mean
+  Eigen::Array<float, kLanes, 1> mask_;                   // 1 inside the window, 0 in the padding
   int window_ = 0;
-  int lanes_ = 0;        // window rounded up to a multiple of 4
-  double mean_ = 0.0;    // of T, subtracted from both images
-  double energy_ = 0.0;  // sum w (T - mean)^2
-  double weights_ = 0.0;
+  int lanes_ = 0;                 // window rounded up to a multiple of 4
+  double mean_ = 0.0;             // of T, subtracted from both images
+  double energy_ = 0.0;           // sum (T - mean)^2
+  double count_ = 0.0;            // pixels
   Eigen::Matrix4d inverse_full_;  // inverse normal matrix of [dx dy gain offset]
   Eigen::Matrix3d inverse_row_;   // of [dx gain offset]
 };

@@ -81,7 +81,7 @@ PointState evaluate_point(const Views& views, const Correspondence& c, double di
 
 PointJacobian point_jacobian(const Views& views, const PointState& point) {
   const Eigen::Matrix<double, 3, kUnknowns> rows =
-      projection_jacobian(views, point) * scaled_point_jacobian(views, point);
+      projection_jacobian(views, point).lazyProduct(scaled_point_jacobian(views, point));
   PointJacobian J = spread_rows<kUnknowns>(rows);
   J(2, kDisparity) = 1.0;
   J(2, kOffset) = 1.0;
@@ -114,7 +114,9 @@ Eigen::Matrix<double, 4, 2> left0_mixed_derivative(const Views& views,
 PointMatrix curvature(const Views& views, const PointState& point, const Eigen::Vector4d& f) {
   const Eigen::Vector3d f_projection(f[0], f[1], f[3]);
   const Eigen::Matrix<double, 4, kUnknowns> J = scaled_point_jacobian(views, point);
-  PointMatrix H = J.transpose() * projection_curvature(views, point, f_projection) * J;
+  const Eigen::Matrix<double, 4, kUnknowns> CJ =
+      projection_curvature(views, point, f_projection).lazyProduct(J);
+  PointMatrix H = J.transpose().lazyProduct(CJ);
 
   // Second derivative of Y itself: Exp(-tau) to second order, and its mixed terms with d.
   const Eigen::Vector3d g =

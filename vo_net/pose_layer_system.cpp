@@ -76,7 +76,7 @@ PointModel model_point(const Problem& problem,
   OmegaJ.row(3) = c.disparity1_information * J.row(3);
   const double weight = c.weight * m.kernel.first;
   m.g = weight * Jf;
-  m.H = weight * (J.transpose() * OmegaJ);
+  m.H = weight * J.transpose().lazyProduct(OmegaJ);  // Eigen would take its big-matrix way
   if (model == Model::kExact) {
     m.H += weight * curvature(views, point, f);
     m.H += (2.0 * c.weight * m.kernel.second) * (Jf * Jf.transpose());

@@ -19,6 +19,7 @@ StereoMatcher::StereoMatcher(const KltOptions& options,
                              const ImagePyramid& right)
     : options_(options), left_(left), right_(right) {
   align_.window = options.stereo_window;
+  align_.smoothing = options.smoothing;
 }
 
 std::optional<Disparity> StereoMatcher::accept(const Eigen::Vector2d& left,

@@ -9,6 +9,8 @@
 namespace imslam::vo {
 namespace {
 
+constexpr double kPoorShare = 0.3;  // of the last good frame's points; fewer: the image is bad
+
 class StopWatch {
  public:
   double seconds() {
@@ -36,14 +38,16 @@ std::vector<std::int64_t> outlier_tracks(const Correspondences& correspondences,
 void VoOptions::describe(Config& config) {
   config.section("klt", klt);
   config.section("pose", pose);
-  config.field("covariance_inflation", covariance_inflation,
-               "factor on the standard deviations of the motion, for errors that points share");
+  config.section("offset", offset);
+  config.field("shared_error", shared_error,
+               "share of the matching variance that all points have in common [1]");
 }
 
 void VoOptions::validate() const {
   klt.validate();
   pose.validate();
-  require(covariance_inflation > 0.0, "vo.covariance_inflation", covariance_inflation, "> 0");
+  offset.validate();
+  require(shared_error >= 0.0 && shared_error <= 1.0, "vo.shared_error", shared_error, "0 .. 1");
 }
 
 VisualOdometry::VisualOdometry(const VoOptions& options, const StereoCamera& camera)
@@ -52,7 +56,7 @@ VisualOdometry::VisualOdometry(const VoOptions& options, const StereoCamera& cam
 VisualOdometry::VisualOdometry(const VoOptions& options,
                                const StereoCamera& camera,
                                std::unique_ptr<Matcher> matcher)
-    : options_(options), camera_(camera), matcher_(std::move(matcher)) {
+    : options_(options), camera_(camera), matcher_(std::move(matcher)), offset_(options.offset) {
   options_.validate();
   expects(matcher_ != nullptr, "VisualOdometry: needs a matcher");
 }
@@ -61,7 +65,7 @@ VisualOdometry::~VisualOdometry() = default;
 
 lie::SE3d VisualOdometry::predict(std::int64_t time_ns,
                                   const std::optional<MotionPrior>& prior) const {
-  const lie::SE3d steady = lie::SE3d::exp(twist_ * to_seconds(time_ns - last_time_ns_));
+  const lie::SE3d steady = lie::SE3d::exp(twist_ * to_seconds(time_ns - anchor_time_ns_));
   if (!prior) return steady;
   return {prior->R_body0_body1, prior->p_body0_body1.value_or(steady.translation())};
 }
@@ -78,7 +82,7 @@ RelativeMotion VisualOdometry::to_motion(const PoseLayerResult& pose,
   if (!pose.valid) return motion;
   motion.T_body0_body1 = pose.T_body0_body1;
   motion.covariance =
-      pose.covariance * (options_.covariance_inflation * options_.covariance_inflation);
+      pose.covariance * (1.0 + options_.shared_error * static_cast<double>(pose.inliers));
   motion.J_disparity_offset = pose.J_disparity_offset;
   return motion;
 }
@@ -100,32 +104,51 @@ void VisualOdometry::add_skip_motions(const MatchResult& match,
 VoOutput VisualOdometry::process(const StereoFrame& frame,
                                  const std::optional<MotionPrior>& prior) {
   VoOutput output;
-  output.motion.time0_ns = last_time_ns_;
+  output.motion.time0_ns = anchor_time_ns_;
   output.motion.time1_ns = frame.time_ns;
   output.motion.disparity_offset = disparity_offset_;
   if (!frame.complete()) return output;
 
+  const bool has_anchor = anchor_points_ > 0;
   StopWatch watch;
-  const lie::SE3d predicted = has_frame_ ? predict(frame.time_ns, prior) : lie::SE3d();
+  const lie::SE3d predicted = has_anchor ? predict(frame.time_ns, prior) : lie::SE3d();
   MatchResult match = matcher_->match(frame, predicted);
   output.timings.match_s = watch.seconds();
-  if (has_frame_) {
-    const Correspondences& correspondences = match.previous.correspondences;
-    output.tracked = static_cast<int>(correspondences.size());
-    output.pose = solve_pose(correspondences, camera_, options_.pose, predicted, disparity_offset_);
-    output.motion = to_motion(output.pose, last_time_ns_, frame.time_ns);
-    if (output.motion.valid) {
-      matcher_->drop(outlier_tracks(correspondences, output.pose));
-      twist_ = output.motion.T_body0_body1.log() / to_seconds(frame.time_ns - last_time_ns_);
-      add_skip_motions(match, output, frame.time_ns, output.skip_motions);
-    }
-    output.timings.solve_s = watch.seconds();
-  }
+  if (has_anchor) solve(match, predicted, output);
+  output.timings.solve_s = watch.seconds();
   output.points = std::move(match.points);
   output.correspondences = std::move(match.previous.correspondences);
-  last_time_ns_ = frame.time_ns;
-  has_frame_ = true;
+  if (!output.motion.valid && is_poor(output.points.size())) {
+    matcher_->forget_newest();
+    return output;
+  }
+  anchor_time_ns_ = frame.time_ns;
+  anchor_points_ = output.points.size();
   return output;
+}
+
+void VisualOdometry::solve(const MatchResult& match, const lie::SE3d& predicted, VoOutput& output) {
+  const Correspondences& correspondences = match.previous.correspondences;
+  const std::int64_t time_ns = output.motion.time1_ns;
+  output.tracked = static_cast<int>(correspondences.size());
+  output.pose = solve_pose(correspondences, camera_, options_.pose, predicted, disparity_offset_);
+  output.motion = to_motion(output.pose, anchor_time_ns_, time_ns);
+  if (!output.motion.valid) return;
+  offset_.add(output.pose);
+  matcher_->drop(outlier_tracks(correspondences, output.pose));
+  twist_ = output.motion.T_body0_body1.log() / to_seconds(time_ns - anchor_time_ns_);
+  add_skip_motions(match, output, time_ns, output.skip_motions);
+}
+
+bool VisualOdometry::is_poor(std::size_t points) const {
+  const auto needed = static_cast<std::size_t>(options_.pose.min_inliers);
+  return points < needed ||
+         static_cast<double>(points) < kPoorShare * static_cast<double>(anchor_points_);
+}
+
+std::optional<std::int64_t> VisualOdometry::anchor_time_ns() const {
+  if (anchor_points_ == 0) return std::nullopt;
+  return anchor_time_ns_;
 }
 
 }  // namespace imslam::vo

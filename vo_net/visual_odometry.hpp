@@ -10,6 +10,7 @@
 #include "slam/sensors/calibration.hpp"
 #include "slam/sensors/motion.hpp"
 #include "slam/sensors/stereo.hpp"
+#include "vo_net/disparity_offset.hpp"
 #include "vo_net/klt_matcher.hpp"
 #include "vo_net/matcher.hpp"
 #include "vo_net/pose_layer.hpp"
@@ -19,14 +20,17 @@ namespace imslam::vo {
 struct VoOptions {
   KltOptions klt;
   PoseLayerOptions pose;
-  double covariance_inflation = 1.0;  ///< [1] on standard deviations, for errors points share
+  DisparityOffsetOptions offset;
+  /// [1] share of the matching variance that all points have in common (lens model, blur): it does
+  /// not average out, so n points count as n / (1 + shared_error n).
+  double shared_error = 0.15;
 
   void describe(Config& config);
   void validate() const;
 };
 
-/// Where the body is expected to have gone since the last complete frame. Only the start of the
-/// search; the result does not lean on it.
+/// Where the body is expected to have gone since VisualOdometry::anchor_time_ns(). Only the start
+/// of the search; the result does not lean on it.
 struct MotionPrior {
   lie::SO3d R_body0_body1;                       ///< e.g. from the gyro
   std::optional<Eigen::Vector3d> p_body0_body1;  ///< [m]; unknown: as fast as before
@@ -39,7 +43,7 @@ struct VoTimings {
 
 /// What one frame says.
 struct VoOutput {
-  RelativeMotion motion;  ///< from the last complete frame to this one (see time0_ns)
+  RelativeMotion motion;                     ///< from the last good frame (time0_ns) to this one
   std::vector<RelativeMotion> skip_motions;  ///< from older frames to this one
   std::vector<StereoPoint> points;           ///< of this frame
   PoseLayerResult pose;                      ///< behind `motion`; index as correspondences
@@ -50,8 +54,10 @@ struct VoOutput {
 
 /// Motion from stereo frames, one relative pose per frame.
 ///
-/// Frames with a missing image give an invalid motion; the next complete frame is then matched with
-/// the last complete one and its motion spans the gap.
+/// A frame with a missing image, or with far fewer points than the one before (black, covered,
+/// damaged), gives an invalid motion and is left out: the next frame is matched with the last good
+/// one and its motion spans the gap. A frame full of points that has nothing in common with the
+/// last one (a cut) becomes the new beginning.
 class VisualOdometry {
  public:
   VisualOdometry(const VoOptions& options, const StereoCamera& camera);
@@ -63,12 +69,21 @@ class VisualOdometry {
 
   VoOutput process(const StereoFrame& frame, const std::optional<MotionPrior>& prior = {});
 
+  /// Stamp of the frame that the next motion will start from; empty before the first good frame.
+  std::optional<std::int64_t> anchor_time_ns() const;
+
   /// The constant disparity offset [px] that measurements are corrected with from now on.
   void set_disparity_offset(double offset_px) { disparity_offset_ = offset_px; }
   double disparity_offset() const { return disparity_offset_; }
 
+  /// What all frames so far say about it. Where it differs from the value a motion was computed
+  /// with, the motion can be corrected afterwards: T Exp(J_disparity_offset difference).
+  DisparityOffsetEstimate disparity_offset_estimate() const { return offset_.estimate(); }
+
  private:
   lie::SE3d predict(std::int64_t time_ns, const std::optional<MotionPrior>& prior) const;
+  void solve(const MatchResult& match, const lie::SE3d& predicted, VoOutput& output);
+  bool is_poor(std::size_t points) const;
   RelativeMotion to_motion(const PoseLayerResult& pose,
                            std::int64_t time0_ns,
                            std::int64_t time1_ns) const;
@@ -80,10 +95,11 @@ class VisualOdometry {
   VoOptions options_;
   StereoCamera camera_;
   std::unique_ptr<Matcher> matcher_;
+  DisparityOffsetEstimator offset_;
   double disparity_offset_ = 0.0;
 
-  std::int64_t last_time_ns_ = 0;  ///< of the last complete frame
-  bool has_frame_ = false;
+  std::int64_t anchor_time_ns_ = 0;  ///< of the last good frame
+  std::size_t anchor_points_ = 0;    ///< seen in it; 0: there is none
   Eigen::Matrix<double, 6, 1> twist_ = Eigen::Matrix<double, 6, 1>::Zero();  ///< [m/s rad/s]
 };
 

@@ -90,8 +90,7 @@ TEST_P(PoseLayerGradientKernels, MatchesCentralDifferencesThroughTheWholeSolve) 
       const Vector6 tau = (middle.T_body0_body1.inverse() * r.T_body0_body1).log();
       return Eigen::VectorXd::Constant(1, dL_dpose.dot(tau));
     };
-    const Eigen::VectorXd numeric =
-        testing::numeric_jacobian(loss, pack(c[k]), 2e-4).transpose();
+    const Eigen::VectorXd numeric = testing::numeric_jacobian(loss, pack(c[k]), 2e-4).transpose();
     const Eigen::VectorXd analytic = pack(gradient->correspondences[k]);
     EXPECT_LT((analytic - numeric).norm(), 1e-6 * numeric.norm())
         << k << "\nanalytic " << analytic.transpose() << "\nnumeric  " << numeric.transpose();
@@ -155,9 +154,8 @@ TEST(PoseLayerPoint, JacobianAndCurvatureMatchCentralDifferences) {
     for (int j = 0; j < 8; ++j) {
       const Eigen::VectorXd a = h * Eigen::VectorXd::Unit(8, i);
       const Eigen::VectorXd b = h * Eigen::VectorXd::Unit(8, j);
-      second(i, j) =
-          f.dot(residual(a + b) - residual(a - b) - residual(b - a) + residual(-a - b)) /
-          (4.0 * h * h);
+      second(i, j) = f.dot(residual(a + b) - residual(a - b) - residual(b - a) + residual(-a - b)) /
+                     (4.0 * h * h);
     }
   }
   testing::expect_near(detail::curvature(views, point, f), second, 1e-5);

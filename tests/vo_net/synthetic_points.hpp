@@ -18,8 +18,8 @@ inline StereoCamera test_camera() {
   camera.cx = 367.0;
   camera.cy = 252.0;
   camera.baseline_m = 0.11;
-  camera.T_body_left =
-      lie::SE3d(lie::SO3d::exp(Eigen::Vector3d(0.1, -1.2, 0.8)), Eigen::Vector3d(0.02, -0.06, 0.01));
+  camera.T_body_left = lie::SE3d(lie::SO3d::exp(Eigen::Vector3d(0.1, -1.2, 0.8)),
+                                 Eigen::Vector3d(0.02, -0.06, 0.01));
   return camera;
 }
 
