@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "imu_net/gyro_alignment.hpp"
 #include "imu_net/static_detector.hpp"
+#include "pgo/paper_window.hpp"
 #include "pgo/pose_velocity_graph.hpp"
-#include "slam/base/log.hpp"
 #include "slam/base/time.hpp"
 #include "slam/system/inertial_motions.hpp"
 #include "slam/system/inertial_start.hpp"
@@ -14,28 +13,10 @@
 namespace imslam::system {
 namespace {
 
-// Where neither vision nor the IMU measured, the last motion is assumed to go on, this unsurely.
-constexpr double kExtrapolationSigma_m_s = 1.0;
-constexpr double kExtrapolationSigma_rad_s = 0.5;
-
 // Biases that move less than this between two rounds need no new integration.
 constexpr double kGyroBiasSettled = 1e-6;   // [rad/s]
 constexpr double kAccelBiasSettled = 1e-5;  // [m/s^2]
 constexpr double kTimeOffsetSettled_s = 1e-6;
-
-RelativeMotion extrapolated_motion(const Trajectory& chain, std::size_t to) {
-  RelativeMotion motion;
-  motion.time0_ns = chain.times_ns[to - 1];
-  motion.time1_ns = chain.times_ns[to];
-  motion.T_body0_body1 = chain.poses[to - 1].inverse() * chain.poses[to];
-  const double dt_s = to_seconds(motion.time1_ns - motion.time0_ns);
-  Eigen::Matrix<double, 6, 1> sigma;
-  sigma << Eigen::Vector3d::Constant(kExtrapolationSigma_m_s * dt_s),
-      Eigen::Vector3d::Constant(kExtrapolationSigma_rad_s * dt_s);
-  motion.covariance = sigma.cwiseAbs2().asDiagonal();
-  motion.valid = true;
-  return motion;
-}
 
 /// Builds and solves the graph; one object per run.
 class BatchEstimator {
@@ -69,7 +50,7 @@ class BatchEstimator {
     pgo::PoseVelocityGraph graph = vision_graph(start, graph_options);
     graph.anchor_pose(0, start.front().nav.T_world_body);
     for (std::size_t i = 1; i < start.size(); ++i) {
-      if (!chain_.covered[i]) add_motion(extrapolated_motion(chain_.trajectory, i), graph);
+      if (!chain_.covered[i]) add_motion(bridge(chain_.trajectory, i), graph);
     }
     out_.report = graph.solve(options_.solver);
     collect(graph);
@@ -98,58 +79,60 @@ class BatchEstimator {
 
   /// False, with a warning, if the IMU cannot be brought into play.
   bool estimate_with_imu() {
-    align_clock_and_gyro();
-    std::vector<ImuMotion> motions = integrate([this](std::size_t) { return bias_; });
-    const InertialStart start =
-        start_inertial(measurements_, chain_, motions, options_.pgo.gravity_magnitude);
+    InertialStart start = start_inertial(measurements_, chain_, options_);
     if (start.states.empty()) {
       out_.warnings.push_back("IMU not used: " + start.reason);
       return false;
     }
-    std::vector<pgo::State> states = start.states;
-    pgo::Globals globals;
-    globals.time_offset_s = time_offset_s_;
-    globals.disparity_offset = disparity_offset_.value;
-    for (int round = 0; round <= options_.system.relinearisations; ++round) {
-      pgo::PoseVelocityGraph graph = inertial_graph(states, globals, motions);
-      out_.report = graph.solve(options_.solver);
-      const bool settled =
-          bias_change(states, graph) < 1.0 &&
-          std::abs(graph.globals().time_offset_s - globals.time_offset_s) < kTimeOffsetSettled_s;
-      states = graph.states();
-      globals = graph.globals();
-      if (settled || round == options_.system.relinearisations) {
-        collect(graph);
-        out_.time_offset_s = Estimate{globals.time_offset_s, time_offset_sigma_s_};
-        break;
-      }
-      time_offset_s_ = globals.time_offset_s;
-      motions = integrate([&](std::size_t i) { return states[i].bias; });
-    }
     out_.inertial = true;
-    mark_covered(motions);
+    mark_covered(start.inertial);
+    if (options_.system.preset == "paper") {
+      estimate_as_published(start);
+    } else {
+      estimate_tightly(std::move(start));
+    }
     return true;
   }
 
-  void align_clock_and_gyro() {
-    imu::GyroAlignmentOptions alignment_options = options_.gyro_alignment;
-    alignment_options.estimate_time_offset = options_.system.estimate_time_offset;
-    const auto alignment = imu::align_gyro(measurements_.odometry, measurements_.imu,
-                                           measurements_.imu_noise, alignment_options);
-    if (!alignment) {
-      out_.warnings.emplace_back("gyro and vision could not be aligned: too few common motions");
-      return;
+  /// Solve, integrate anew at the biases found, and again until they stand still.
+  void estimate_tightly(InertialStart start) {
+    std::vector<pgo::State> states = std::move(start.states);
+    pgo::Globals globals;
+    globals.time_offset_s = start.time_offset_s;
+    globals.disparity_offset = disparity_offset_.value;
+    for (int round = 0;; ++round) {
+      pgo::PoseVelocityGraph graph = inertial_graph(states, globals, start.inertial);
+      out_.report = graph.solve(options_.solver);
+      const bool last = round == options_.system.relinearisations;
+      if (last || settled(states, globals, graph)) {
+        collect(graph);
+        out_.time_offset_s = Estimate{graph.globals().time_offset_s, start.time_offset_sigma_s};
+        return;
+      }
+      states = graph.states();
+      globals = graph.globals();
+      start.inertial = integrate_intervals(
+          measurements_, [&](std::size_t i) { return states[i].bias; }, globals.time_offset_s,
+          options_.preintegration);
     }
-    bias_.gyro = alignment->gyro_bias;
-    time_offset_s_ = alignment->time_offset_s;
-    time_offset_sigma_s_ = std::sqrt(alignment->covariance(3, 3));
-    log::debug("gyro bias {:.5f} {:.5f} {:.5f} rad/s, time offset {:.2f} +- {:.2f} ms",
-               bias_.gyro.x(), bias_.gyro.y(), bias_.gyro.z(), 1e3 * time_offset_s_,
-               1e3 * time_offset_sigma_s_);
   }
 
-  std::vector<ImuMotion> integrate(const BiasOfFrame& bias) const {
-    return integrate_intervals(measurements_, bias, time_offset_s_, options_.preintegration);
+  /// The published graph: windows of eight steps, constant weights.
+  void estimate_as_published(const InertialStart& start) {
+    pgo::PaperOptions paper;
+    paper.dataset = options_.system.paper_weights;
+    paper.gravity_magnitude = options_.pgo.gravity_magnitude;
+    const auto result = pgo::solve_paper_windows(start.states.front(), start.visual, start.inertial,
+                                                 paper, options_.solver);
+    out_.graph.states = result.states;
+    out_.report.converged = true;
+    out_.report.reason = "published windows";
+    for (const SolveReport& report : result.reports) {
+      out_.report.converged = out_.report.converged && report.converged;
+      out_.report.iterations += report.iterations;
+      out_.report.cost += report.cost;
+    }
+    out_.time_offset_s = Estimate{start.time_offset_s, start.time_offset_sigma_s};
   }
 
   pgo::PoseVelocityGraph inertial_graph(const std::vector<pgo::State>& start,
@@ -167,7 +150,7 @@ class BatchEstimator {
       const auto from = static_cast<int>(i);
       const bool used = motions[i].valid && graph.add_imu_edge(from, from + 1, motions[i]);
       if (!used && !chain_.covered[i + 1]) {
-        add_motion(extrapolated_motion(chain_.trajectory, i + 1), graph);
+        add_motion(bridge(chain_.trajectory, i + 1), graph);
       }
     }
     graph.anchor_position_and_heading(0, start.front().nav.T_world_body);
@@ -196,16 +179,17 @@ class BatchEstimator {
     }
   }
 
-  /// Largest change of a bias, in units of what does not matter any more.
-  static double bias_change(const std::vector<pgo::State>& before,
-                            const pgo::PoseVelocityGraph& graph) {
-    double change = 0.0;
+  /// Whether another integration of the IMU would change nothing that matters.
+  static bool settled(const std::vector<pgo::State>& before,
+                      const pgo::Globals& globals_before,
+                      const pgo::PoseVelocityGraph& graph) {
     for (std::size_t i = 0; i < before.size(); ++i) {
       const ImuBias& now = graph.states()[i].bias;
-      change = std::max(change, (now.gyro - before[i].bias.gyro).norm() / kGyroBiasSettled);
-      change = std::max(change, (now.accel - before[i].bias.accel).norm() / kAccelBiasSettled);
+      if ((now.gyro - before[i].bias.gyro).norm() > kGyroBiasSettled) return false;
+      if ((now.accel - before[i].bias.accel).norm() > kAccelBiasSettled) return false;
     }
-    return change;
+    return std::abs(graph.globals().time_offset_s - globals_before.time_offset_s) <
+           kTimeOffsetSettled_s;
   }
 
   void mark_covered(const std::vector<ImuMotion>& motions) {
@@ -217,6 +201,7 @@ class BatchEstimator {
 
   void collect(const pgo::PoseVelocityGraph& graph) {
     out_.graph = graph.data();
+    out_.graph_options = graph.options();
     out_.disparity_offset_px = {graph.globals().disparity_offset, disparity_offset_.sigma};
     if (!options_.system.covariances) return;
     const auto covariances = graph.covariances();
@@ -231,9 +216,6 @@ class BatchEstimator {
   const Estimate disparity_offset_;
   const SlamOptions& options_;
   OdometryChain chain_;
-  ImuBias bias_;
-  double time_offset_s_ = 0.0;
-  double time_offset_sigma_s_ = 0.0;
   BatchEstimate out_;
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "pgo/graph_data.hpp"
+#include "pgo/options.hpp"
 #include "slam/base/solve_report.hpp"
 #include "slam/system/measurements.hpp"
 #include "slam/system/slam_options.hpp"
@@ -15,6 +16,7 @@ namespace imslam::system {
 /// What the graph over a whole sequence says.
 struct BatchEstimate {
   pgo::GraphData graph;  ///< one state per frame
+  pgo::GraphOptions graph_options;
   SolveReport report;
   bool inertial = false;
   Estimate disparity_offset_px;

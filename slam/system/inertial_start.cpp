@@ -1,9 +1,12 @@
 #include "slam/system/inertial_start.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include "imu_net/gyro_alignment.hpp"
 #include "pgo/initialization.hpp"
 #include "slam/base/time.hpp"
+#include "slam/system/inertial_motions.hpp"
 
 namespace imslam::system {
 namespace {
@@ -67,23 +70,34 @@ std::vector<pgo::State> lay_chain(const OdometryChain& chain,
 
 InertialStart start_inertial(const Measurements& measurements,
                              const OdometryChain& chain,
-                             const std::vector<ImuMotion>& motions,
-                             double gravity_magnitude) {
-  InertialStart result;
-  const std::vector<RelativeMotion> visual = interval_motions(measurements, chain);
-  pgo::InitializationOptions options;
-  options.gravity_magnitude = gravity_magnitude;
-  for (std::size_t first = 0; first < motions.size(); first += kStretch) {
-    const std::size_t last = std::min(first + kStretch, motions.size());
-    const auto start =
-        pgo::initialize(slice(visual, first, last), slice(motions, first, last), options);
-    if (start.success) {
-      result.states = lay_chain(chain, first, start);
-      return result;
-    }
-    if (result.reason.empty()) result.reason = start.reason;
+                             const SlamOptions& options) {
+  InertialStart start;
+  ImuBias bias;
+  imu::GyroAlignmentOptions alignment_options = options.gyro_alignment;
+  alignment_options.estimate_time_offset = options.system.estimate_time_offset;
+  if (const auto alignment = imu::align_gyro(measurements.odometry, measurements.imu,
+                                             measurements.imu_noise, alignment_options)) {
+    bias.gyro = alignment->gyro_bias;
+    start.time_offset_s = alignment->time_offset_s;
+    start.time_offset_sigma_s = std::sqrt(alignment->covariance(3, 3));
   }
-  return result;
+  start.visual = interval_motions(measurements, chain);
+  start.inertial = integrate_intervals(
+      measurements, [&](std::size_t) { return bias; }, start.time_offset_s, options.preintegration);
+
+  pgo::InitializationOptions initialization;
+  initialization.gravity_magnitude = options.pgo.gravity_magnitude;
+  for (std::size_t first = 0; first < start.inertial.size(); first += kStretch) {
+    const std::size_t last = std::min(first + kStretch, start.inertial.size());
+    const auto found = pgo::initialize(slice(start.visual, first, last),
+                                       slice(start.inertial, first, last), initialization);
+    if (found.success) {
+      start.states = lay_chain(chain, first, found);
+      return start;
+    }
+    if (start.reason.empty()) start.reason = found.reason;
+  }
+  return start;
 }
 
 }  // namespace imslam::system

@@ -45,4 +45,20 @@ OdometryChain chain_odometry(const Measurements& measurements) {
   return chain;
 }
 
+RelativeMotion bridge(const Trajectory& trajectory, std::size_t to) {
+  constexpr double kSigma_m_s = 1.0;
+  constexpr double kSigma_rad_s = 0.5;
+  RelativeMotion motion;
+  motion.time0_ns = trajectory.times_ns[to - 1];
+  motion.time1_ns = trajectory.times_ns[to];
+  motion.T_body0_body1 = trajectory.poses[to - 1].inverse() * trajectory.poses[to];
+  const double dt_s = to_seconds(motion.time1_ns - motion.time0_ns);
+  Tangent sigma;
+  sigma << Eigen::Vector3d::Constant(kSigma_m_s * dt_s),
+      Eigen::Vector3d::Constant(kSigma_rad_s * dt_s);
+  motion.covariance = sigma.cwiseAbs2().asDiagonal();
+  motion.valid = true;
+  return motion;
+}
+
 }  // namespace imslam::system

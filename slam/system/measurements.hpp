@@ -34,4 +34,8 @@ struct OdometryChain {
 };
 OdometryChain chain_odometry(const Measurements& measurements);
 
+/// An edge for a step that nothing measured: the trajectory's own step from `to` - 1 to `to`, sure
+/// only to 1 m/s and 0.5 rad/s. It keeps the graph in one piece.
+RelativeMotion bridge(const Trajectory& trajectory, std::size_t to);
+
 }  // namespace imslam::system

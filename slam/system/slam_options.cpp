@@ -68,23 +68,23 @@ void SystemOptions::validate() const {
 void SlamOptions::describe(Config& config) {
   config.section("system", system);
   config.section("vo", vo);
-  config.section("disparity_offset", disparity_offset);
   config.section("imu", preintegration);
   config.section("gyro_alignment", gyro_alignment);
   config.section("still", still);
   config.section("pgo", pgo);
   config.section("solver", solver);
+  config.section("window", window);
 }
 
 void SlamOptions::validate() const {
   system.validate();
   vo.validate();
-  disparity_offset.validate();
   preintegration.validate();
   gyro_alignment.validate();
   still.validate();
   pgo.validate();
   solver.validate();
+  window.validate();
 }
 
 }  // namespace imslam::system

@@ -6,7 +6,7 @@
 #include "imu_net/preintegration.hpp"
 #include "imu_net/static_detector.hpp"
 #include "pgo/options.hpp"
-#include "vo_net/disparity_offset.hpp"
+#include "pgo/sliding_window.hpp"
 #include "vo_net/visual_odometry.hpp"
 
 namespace imslam {
@@ -49,12 +49,12 @@ struct SystemOptions {
 struct SlamOptions {
   SystemOptions system;
   vo::VoOptions vo;
-  vo::DisparityOffsetOptions disparity_offset;
   imu::PreintegrationOptions preintegration;
   imu::GyroAlignmentOptions gyro_alignment;
   imu::StaticDetectorOptions still;
   pgo::GraphOptions pgo;
   pgo::SolverOptions solver;
+  pgo::WindowOptions window;
 
   void describe(Config& config);
   void validate() const;

@@ -8,6 +8,7 @@
 #include "slam/system/batch_estimator.hpp"
 #include "slam/system/map_sampler.hpp"
 #include "slam/system/measurements.hpp"
+#include "slam/system/online_estimator.hpp"
 #include "slam/system/resources.hpp"
 #include "vo_net/visual_odometry.hpp"
 
@@ -20,7 +21,7 @@ class SlamSystem::State {
         const std::optional<ImuNoise>& imu_noise)
       : options_(options),
         odometry_(options.vo, camera),
-        disparity_offset_(options.disparity_offset),
+        online_(options),
         map_sampler_(camera, options.system),
         inertial_(imu_noise.has_value()) {
     if (!imu_noise) return;
@@ -64,13 +65,15 @@ class SlamSystem::State {
       seen = odometry_.process(frame, predict(frame.time_ns));
     }
     count(frame, seen);
-    disparity_offset_.add(seen.pose);
     const bool vision = seen.motion.valid;
     if (vision) measurements_.odometry.push_back(seen.motion);
     for (const RelativeMotion& skip : seen.skip_motions) {
       if (skip.valid) measurements_.skips.push_back(skip);
     }
-    if (frame.complete()) last_complete_ns_ = frame.time_ns;
+    if (inertial_ && options_.system.online) {
+      const StageScope scope(result_.timing, "sliding window");
+      online_.update(measurements_);
+    }
     const auto index = static_cast<std::uint32_t>(measurements_.times_ns.size() - 1);
     map_sampler_.add(frame, index, seen, result_.map);
     return {seen.motion.inliers, vision};
@@ -79,7 +82,7 @@ class SlamSystem::State {
   void count(const StereoFrame& frame, const vo::VoOutput& seen) {
     Counters& counters = result_.counters;
     ++counters.frames;
-    const bool first = !last_complete_ns_.has_value();
+    const bool first = counters.frames == 1;
     if (!frame.complete()) ++counters.frames_missing;
     if (frame.complete() && !first && !seen.motion.valid) ++counters.vo_failures;
     counters.skip_edges += seen.skip_motions.size();
@@ -87,11 +90,12 @@ class SlamSystem::State {
         std::clamp(seen.motion.valid ? seen.motion.inliers : 0, 0, 65535)));
   }
 
-  /// The gyro knows how far the body has turned since the last frame that was seen.
+  /// The gyro knows how far the body has turned since the last good frame.
   std::optional<vo::MotionPrior> predict(std::int64_t time_ns) const {
-    if (!inertial_ || !last_complete_ns_) return std::nullopt;
+    const auto anchor_ns = odometry_.anchor_time_ns();
+    if (!inertial_ || !anchor_ns) return std::nullopt;
     const ImuMotion motion =
-        imu::preintegrate(measurements_.imu, *last_complete_ns_, time_ns, ImuBias(),
+        imu::preintegrate(measurements_.imu, *anchor_ns, time_ns, online_.bias(),
                           measurements_.imu_noise, 0.0, options_.preintegration);
     if (!motion.valid) return std::nullopt;
     return vo::MotionPrior{motion.dR, std::nullopt};
@@ -99,17 +103,16 @@ class SlamSystem::State {
 
   /// What vision alone says about the rectification.
   Estimate seen_disparity_offset() const {
-    const auto estimate = disparity_offset_.estimate();
+    const auto estimate = odometry_.disparity_offset_estimate();
     return {estimate.offset_px, estimate.sigma_px};
   }
 
   SlamOptions options_;
   vo::VisualOdometry odometry_;
-  vo::DisparityOffsetEstimator disparity_offset_;
+  OnlineEstimator online_;
   MapSampler map_sampler_;
   Measurements measurements_;
   bool inertial_;
-  std::optional<std::int64_t> last_complete_ns_;
   SlamResult result_;
 };
 
@@ -142,6 +145,7 @@ SlamResult SlamSystem::State::finish() {
   }
   result_.vo_only =
       onto_first_pose(chain_odometry(measurements_).trajectory, result_.graph.poses.front());
+  result_.online = online_.trajectory();
   for (const bool covered : batch.covered) {
     result_.series.degraded.push_back(covered ? 0 : 1);
     if (!covered) ++result_.counters.frames_degraded;

@@ -1,0 +1,75 @@
+#include "slam/system/online_estimator.hpp"
+
+#include <utility>
+
+#include "imu_net/preintegration.hpp"
+#include "pgo/prediction.hpp"
+#include "slam/system/batch_estimator.hpp"
+
+namespace imslam::system {
+namespace {
+
+constexpr std::size_t kFirstTry = 20;  // [frames]
+constexpr std::size_t kRetry = 20;     // [frames]
+/// A start over more frames than this would stall the stream; a later stretch must do.
+constexpr std::size_t kLongestStart = 200;  // [frames]
+
+}  // namespace
+
+void OnlineEstimator::update(const Measurements& measurements) {
+  if (measurements.imu.empty()) return;
+  if (window_) {
+    add_newest(measurements);
+  } else if (measurements.times_ns.size() >= std::max(next_try_, kFirstTry)) {
+    try_to_start(measurements);
+  }
+}
+
+void OnlineEstimator::try_to_start(const Measurements& measurements) {
+  next_try_ = measurements.times_ns.size() + kRetry;
+  if (measurements.times_ns.size() > kLongestStart) return;
+  SlamOptions options = options_;
+  options.system.covariances = false;
+  options.system.preset = "default";
+  const BatchEstimate start = estimate_batch(measurements, {}, options);
+  if (!start.inertial || !start.report.converged) return;
+  pgo::PoseVelocityGraph graph(start.graph_options);
+  graph.data() = start.graph;
+  for (const pgo::State& state : graph.states()) {
+    trajectory_.add(state.time_ns, state.nav.T_world_body);
+  }
+  window_.emplace(std::move(graph), options_.window);
+}
+
+void OnlineEstimator::add_newest(const Measurements& measurements) {
+  const auto& times_ns = measurements.times_ns;
+  const int newest = window_->end() - 1;
+  const pgo::State& last = window_->newest();
+  const ImuMotion imu_motion = imu::preintegrate(
+      measurements.imu, last.time_ns, times_ns.back(), last.bias, measurements.imu_noise,
+      window_->globals().time_offset_s, options_.preintegration);
+  pgo::State guess = last;
+  const Eigen::Vector3d gravity =
+      options_.pgo.gravity_magnitude * window_->globals().gravity_direction;
+  if (imu_motion.valid) {
+    guess = pgo::predict(last, imu_motion, gravity, window_->globals().time_offset_s);
+  }
+  guess.time_ns = times_ns.back();
+  const int added = window_->add_state(guess);
+  bool connected = imu_motion.valid && window_->add_imu_edge(newest, added, imu_motion);
+  if (!measurements.odometry.empty() && measurements.odometry.back().time1_ns == times_ns.back()) {
+    const RelativeMotion& motion = measurements.odometry.back();
+    const auto from = measurements.frame_at(motion.time0_ns);
+    if (from) connected |= window_->add_visual_edge(static_cast<int>(*from), added, motion);
+  }
+  if (!connected) {
+    Trajectory step;
+    step.add(last.time_ns, window_->state(newest).nav.T_world_body);
+    step.add(guess.time_ns, guess.nav.T_world_body);
+    window_->add_visual_edge(newest, added, bridge(step, 1));
+  }
+  window_->update();
+  trajectory_.add(times_ns.back(), window_->newest().nav.T_world_body);
+}
+
+}  // namespace imslam::system

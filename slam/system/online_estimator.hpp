@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "pgo/sliding_window.hpp"
+#include "slam/sensors/imu.hpp"
+#include "slam/sensors/trajectory.hpp"
+#include "slam/system/measurements.hpp"
+#include "slam/system/slam_options.hpp"
+
+namespace imslam::system {
+
+/// The estimate while frames come in: a sliding window with a marginal prior.
+///
+/// It starts once vision and IMU allow an initialisation; the frames before then get the states of
+/// that moment. Visual-inertial only: without an IMU the odometry is all there is to know.
+class OnlineEstimator {
+ public:
+  explicit OnlineEstimator(const SlamOptions& options) : options_(options) {}
+
+  /// Takes in the newest frame: the last of `measurements`. Its IMU samples must be there.
+  void update(const Measurements& measurements);
+
+  /// What was known at each frame; empty before the start.
+  const Trajectory& trajectory() const { return trajectory_; }
+
+  /// The newest bias; zero before the start.
+  ImuBias bias() const { return window_ ? window_->newest().bias : ImuBias(); }
+
+ private:
+  void try_to_start(const Measurements& measurements);
+  void add_newest(const Measurements& measurements);
+
+  const SlamOptions options_;
+  std::optional<pgo::SlidingWindow> window_;
+  Trajectory trajectory_;
+  std::size_t next_try_ = 0;  ///< number of frames at which a start is tried again
+};
+
+}  // namespace imslam::system
