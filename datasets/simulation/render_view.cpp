@@ -29,7 +29,7 @@ constexpr SubRays kClean = {
 constexpr SubRays kBusy = {2, {{-0.3F, -0.3F}, {0.3F, 0.3F}, {}, {}}, 1.0F};
 constexpr int kBusyNeighbours = 3;
 /// Steps of radiance smaller than this share of it are left as they are: less than sensor noise.
-constexpr float kInvisible = 0.03F;
+constexpr float kInvisible = 0.05F;
 
 void fill(RayPacket& packet, std::size_t lane, const Vector3f& direction) {
   packet.x[lane] = direction.x();

@@ -77,9 +77,9 @@ void plant(Scene& scene,
   };
   const Kind kinds[] = {{plants.broadleaves, plants.far_broadleaves, 170, 48.0, kFree, 0.85, 1.3},
                         {plants.conifers, plants.far_conifers, 170, 48.0, 3.1, 0.7, 1.3},
-                        {plants.bushes, plants.bushes, 170, 40.0, kFree + 0.8, 0.5, 1.3},
+                        {plants.bushes, plants.far_bushes, 170, 40.0, kFree + 0.8, 0.5, 1.3},
                         {plants.stones, plants.stones, 120, 34.0, 0.7, 0.4, 1.3},
-                        {plants.ferns, plants.ferns, 700, 34.0, 0.45, 0.5, 1.3},
+                        {plants.ferns, plants.ferns, 480, 28.0, 0.45, 0.5, 1.3},
                         {plants.logs, plants.logs, 26, 34.0, 1.9, 0.7, 1.2}};
   for (const Kind& kind : kinds) {
     for (int i = 0; i < kind.count; ++i) {

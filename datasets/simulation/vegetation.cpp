@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kFarShare = 0.22;
+constexpr double kFarShare = 0.18;
 
 struct Leafage {
   Paint paint;
@@ -100,7 +100,7 @@ Mesh conifer(const Paint& bark, const Leafage& leafage, Random& random) {
 
 Mesh bush(const Leafage& leafage, Random& random) {
   Mesh mesh;
-  for (int i = 0; i < 750; ++i) {
+  for (int i = 0; i < leaf_count(leafage, 750); ++i) {
     Vector3d place = random.normal3();
     place *= std::pow(random.uniform(), 0.4) / place.norm();
     place.z() = 0.55 + 0.55 * place.z();
@@ -170,6 +170,7 @@ Vegetation grow_vegetation(Scene& scene, TextureBank& bank, Random& random) {
     add(plants.far_broadleaves, broadleaf(barks[i], {leaves[i], 0.2, 0.65, kFarShare}, random));
     add(plants.far_conifers, conifer(barks[2 - i], {leaves[2 - i], 0.34, 0.4, kFarShare}, random));
     add(plants.bushes, bush({leaves[i], 0.17, 0.5}, random));
+    add(plants.far_bushes, bush({leaves[i], 0.17, 0.6, kFarShare}, random));
     add(plants.ferns, fern({leaves[i], 0.2, 0.3}, random));
     add(plants.stones, stone(rock, random));
     add(plants.logs, fallen_log(barks[i], random));

@@ -15,6 +15,7 @@ struct Vegetation {
   std::vector<std::size_t> far_broadleaves;  ///< the same kinds with fewer, larger leaves
   std::vector<std::size_t> far_conifers;
   std::vector<std::size_t> bushes;
+  std::vector<std::size_t> far_bushes;
   std::vector<std::size_t> ferns;
   std::vector<std::size_t> stones;
   std::vector<std::size_t> logs;

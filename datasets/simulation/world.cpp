@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kMostTaps = 6;  ///< samples along the long axis of a pixel's footprint
+constexpr int kMostTaps = 5;  ///< samples along the long axis of a pixel's footprint
 constexpr std::uint32_t kSkySurface = 0xFFFFFFFFU;
 
 /// log2 from the exponent bits and a parabola for the mantissa: within 0.01.
@@ -73,17 +73,20 @@ struct TexturePoint {
   float du_row, dv_row;
 };
 
-/// Mean over the footprint: mip level from the short axis, several taps along the long one.
-float filtered(const Texture& texture, const TexturePoint& p) {
+/// Mean over the footprint: mip level from the short axis, several taps along the long one. Samples
+/// that are averaged anyway (`one_of_several`) do without blending levels.
+float filtered(const Texture& texture, const TexturePoint& p, bool one_of_several) {
   const auto size = static_cast<float>(texture.size());
   const float column = p.du_column * p.du_column + p.dv_column * p.dv_column;
   const float row = p.du_row * p.du_row + p.dv_row * p.dv_row;
   const bool column_longer = column > row;
   const float longest = std::sqrt(std::max(column, row)) * size;
   const float area = std::abs(p.du_column * p.dv_row - p.dv_column * p.du_row) * size * size;
-  const float shortest = std::max(area / std::max(longest, 1e-9F), 0.35F);
+  const float shortest = std::max(area / std::max(longest, 1e-9F), 1.0F);
   const int taps = std::clamp(static_cast<int>(longest / shortest + 0.5F), 1, kMostTaps);
-  const float lod = fast_log2(std::max(longest / static_cast<float>(taps), 0.25F));
+  const float level = fast_log2(std::max(longest / static_cast<float>(taps), 0.25F));
+  const float lod =
+      one_of_several ? static_cast<float>(static_cast<int>(std::max(level, 0.0F) + 0.5F)) : level;
   if (taps == 1) return texture.sample(p.u, p.v, lod);
   const float du = (column_longer ? p.du_column : p.du_row) / static_cast<float>(taps);
   const float dv = (column_longer ? p.dv_column : p.dv_row) / static_cast<float>(taps);
@@ -188,7 +191,8 @@ Seen World::look(const Ray& ray, const Hit& hit, float footprint) const {
                            facet.grad_u.dot(p_column),     facet.grad_v.dot(p_column),
                            facet.grad_u.dot(p_row),        facet.grad_v.dot(p_row)};
   Seen seen;
-  seen.radiance = filtered(scene_.textures[facet.texture], point) * lit(facet, placement, p);
+  seen.radiance =
+      filtered(scene_.textures[facet.texture], point, footprint < 1.0F) * lit(facet, placement, p);
   seen.distance = t * placement.scale;
   seen.surface = (hit.instance * 0x9E3779B1U) ^ (facet.surface * 0x85EBCA77U);
   seen.instance = hit.instance;
