@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -16,7 +18,8 @@ constexpr const char* kExamples =
     "Examples:\n"
     "  imslam simulate out/room                             the built-in default sequence\n"
     "  imslam simulate out/street --set scene=street --set duration_s=60 --set seed=3\n"
-    "  imslam simulate out/bad_imu --set imu_grade=phone\n"
+    "  imslam simulate out/bad_imu --set imu.grade=phone\n"
+    "  imslam simulate out/again -c out/street/simulation.yaml\n"
     "`imslam simulate --list` prints every key with its default and meaning.";
 
 struct SimulateArguments {
@@ -29,9 +32,10 @@ struct SimulateArguments {
 ExitCode simulate(const SimulateArguments& arguments, bool quiet) {
   auto options = simulation::default_sequence_options();
   Config config;
-  options.describe(config);
+  config.section("simulation", options);
   for (const std::string& file : arguments.files) config.load_file(file);
-  for (const std::string& assignment : arguments.assignments) config.set(assignment, "--set");
+  for (const std::string& assignment : arguments.assignments)
+    config.set("simulation." + assignment, "--set");
   if (arguments.list) {
     std::fputs(config.to_yaml(true).c_str(), stdout);
     return ExitCode::kOk;
@@ -40,11 +44,17 @@ ExitCode simulate(const SimulateArguments& arguments, bool quiet) {
     throw InputError("simulate: name the folder to write", ExitCode::kUsage);
   options.validate();
   ProgressBar bar("simulate", !quiet);
-  simulation::simulate(options, arguments.out, [&](std::size_t done, std::size_t total) {
-    bar.update(done, total);
-    if (interrupted()) throw InputError("interrupted while rendering", ExitCode::kInterrupted);
-  });
-  std::printf("%s\n", arguments.out.c_str());
+  const auto summary =
+      simulation::simulate(options, arguments.out, [&](std::size_t done, std::size_t total) {
+        bar.update(done, total);
+        if (interrupted()) throw InputError("interrupted while rendering", ExitCode::kInterrupted);
+      });
+  bar.clear();
+  fmt::print(
+      "{}: {} stereo pairs, {} IMU samples, {:.1f} m, {} textures; {:.0f} ms to render and "
+      "{:.0f} ms to write a pair\n",
+      arguments.out, summary.frames, summary.imu_samples, summary.distance_m, summary.textures,
+      1e3 * summary.render_s, 1e3 * summary.write_s);
   return ExitCode::kOk;
 }
 
