@@ -10,7 +10,7 @@
 namespace imslam::vo {
 
 struct KltOptions {
-  int max_points = 500;           ///< about; at most one point per cell of a grid
+  int max_points = 600;           ///< about; at most one point per cell of a grid
   int levels = 4;                 ///< of the image pyramid
   int window = 15;                ///< [px] odd, <= 23: side of the patches followed over time
   int stereo_window = 15;         ///< [px] odd, <= 23: side of the patches followed left to right

@@ -24,6 +24,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr double kMedianChiSquared3 = 2.366;  // of s, which has 4 - 1 degrees of freedom
 constexpr double kMinReciprocalCondition = 1e-9;
 constexpr double kStartDamping = 1e-6;
+constexpr int kNarrowings = 4;         // rounds of the final descent
+constexpr double kMuchNarrower = 0.7;  // the scale must fall below this share to repeat it
 
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -50,8 +52,9 @@ class Solver {
 
   /// Follows the minimum while the kernel narrows with the median residual.
   bool start();
-  /// Levenberg-Marquardt at a fixed kernel.
-  void refine();
+  /// Levenberg-Marquardt at a fixed kernel; again with a narrower one if the start stopped too
+  /// soon. False if the points do not agree on a motion.
+  bool refine();
 
   const Problem& problem() const { return problem_; }
   const Estimate& estimate() const { return estimate_; }
@@ -60,6 +63,7 @@ class Solver {
   int iterations() const { return iterations_; }
 
  private:
+  void descend();
   double measured_noise_scale(const ReducedSystem& system) const;
   void set_kernel(double scale) { problem_.kernel_k2 = std::pow(options_.kernel_width * scale, 2); }
   std::optional<Estimate> moved(const ReducedSystem& system, double* decrement);
@@ -125,7 +129,21 @@ bool Solver::start() {
   return true;
 }
 
-void Solver::refine() {
+bool Solver::refine() {
+  for (int round = 0; round < kNarrowings; ++round) {
+    descend();
+    if (!options_.adapt_noise_scale) return true;
+    const double measured = measured_noise_scale(system_);
+    const double narrower = std::max(measured, options_.min_noise_scale);
+    if (!(narrower < kMuchNarrower * noise_scale_)) return measured <= options_.max_noise_scale;
+    noise_scale_ = narrower;
+    set_kernel(noise_scale_);
+  }
+  return true;
+}
+
+void Solver::descend() {
+  converged_ = false;
   double damping = kStartDamping;
   double decrement = std::numeric_limits<double>::infinity();
   Model model = Model::kGaussNewton;
@@ -268,7 +286,7 @@ PoseLayerResult solve_pose(const Correspondences& correspondences,
 
   Solver solver(std::move(problem), options, std::move(start));
   if (!solver.start()) return result;
-  solver.refine();
+  if (!solver.refine()) return result;
   result.converged = solver.converged();
   result.iterations = solver.iterations();
   result.noise_scale = solver.noise_scale();

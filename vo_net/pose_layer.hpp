@@ -17,7 +17,7 @@ struct PoseLayerOptions {
   double kernel_width = 2.0;      ///< where the kernel bends [standard deviations]
   bool adapt_noise_scale = true;  ///< estimate how far off the given informations are
   double min_noise_scale = 0.25;  ///< [1] ratio of true to stated standard deviation, at least
-  double max_noise_scale = 20.0;  ///< [1] at most
+  double max_noise_scale = 8.0;   ///< [1] beyond it the points have no motion in common
   int start_iterations = 12;      ///< with a kernel that narrows as the residuals fall
   int max_iterations = 30;        ///< after the start
   double tolerance = 1e-6;        ///< last step [standard deviations of the pose]

@@ -11,7 +11,8 @@ void PoseLayerOptions::describe(Config& config) {
   config.field("adapt_noise_scale", adapt_noise_scale,
                "estimate the scale of the matcher's standard deviations in each frame");
   config.field("min_noise_scale", min_noise_scale, "lower bound of that scale [1]");
-  config.field("max_noise_scale", max_noise_scale, "upper bound of that scale [1]");
+  config.field("max_noise_scale", max_noise_scale,
+               "beyond this scale the points have no motion in common [1]");
   config.field("start_iterations", start_iterations, "iterations with a narrowing kernel");
   config.field("max_iterations", max_iterations, "iterations after the start");
   config.field("tolerance", tolerance, "last step [standard deviations of the pose]");

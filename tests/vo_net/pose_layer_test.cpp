@@ -135,6 +135,20 @@ TEST(PoseLayer, BearsAnObjectThatMovesOnItsOwn) {
   EXPECT_LT(error_of(result, test_motion()).norm(), 0.002);
 }
 
+TEST(PoseLayer, PointsThatDoNotAgreeGiveNoMotion) {
+  Random random(15);
+  const StereoCamera camera = test_camera();
+  for (int trial = 0; trial < 20; ++trial) {
+    Correspondences c =
+        synthetic_correspondences(camera, test_motion(), 80, {0.1, 0.1, 0.0}, random);
+    for (Correspondence& one : c) {
+      one.left1 = {random.uniform(0.0, 752.0), random.uniform(0.0, 480.0)};
+      one.disparity1 = random.uniform(0.0, 60.0);
+    }
+    EXPECT_FALSE(solve_pose(c, camera, {}).valid);
+  }
+}
+
 TEST(PoseLayer, IgnoresWhatIsNotFinite) {
   Random random(7);
   const StereoCamera camera = test_camera();
