@@ -36,9 +36,9 @@ struct SystemOptions {
 
   bool zero_velocity = true;            ///< hold the body where IMU and vision say that it rests
   double zero_velocity_sigma = 0.01;    ///< [m/s]
-  int map_points_per_frame = 15;        ///< kept for map.pcd
+  int map_points_per_frame = 40;        ///< kept for map.pcd
   double map_max_depth_baselines = 40;  ///< farther points are too uncertain for the map
-  double map_voxel_m = 0.1;             ///< [m]
+  double map_voxel_m = 0.05;            ///< [m]
   int seed = 0;  ///< recorded; nothing in the classical pipeline draws at random
 
   void describe(Config& config);
