@@ -1,0 +1,124 @@
+#include "slam/system/batch_estimator.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/slam/system/sine_measurements.hpp"
+
+namespace imslam::system {
+namespace {
+
+using testing::SineWorld;
+using testing::trajectory_of;
+
+void erase_odometry(Measurements& measurements, double from_s, double to_s) {
+  auto& odometry = measurements.odometry;
+  const auto inside = [&](const RelativeMotion& motion) {
+    return motion.time1_ns > imu::testing::stamp(from_s) &&
+           motion.time0_ns < imu::testing::stamp(to_s);
+  };
+  odometry.erase(std::remove_if(odometry.begin(), odometry.end(), inside), odometry.end());
+}
+
+TEST(EstimateBatch, RecoversTheTruthFromPerfectMeasurements) {
+  const SineWorld world;
+  const auto estimate = estimate_batch(world.measure(), {}, {});
+  EXPECT_TRUE(estimate.inertial);
+  EXPECT_TRUE(estimate.report.converged) << estimate.report.reason;
+  EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 1e-3);
+}
+
+TEST(EstimateBatch, StandsUprightAtTheOrigin) {
+  const SineWorld world;
+  const auto estimate = estimate_batch(world.measure(), {}, {});
+  const auto& first = estimate.graph.states.front().nav.T_world_body;
+  EXPECT_LT(first.translation().norm(), 1e-6);
+  const Eigen::Vector3d up_truth =
+      world.pose(estimate.graph.states.front().time_ns).rotation().inverse() *
+      Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d up = first.rotation().inverse() * Eigen::Vector3d::UnitZ();
+  EXPECT_LT((up - up_truth).norm(), 2e-3);
+}
+
+TEST(EstimateBatch, FindsBiasesAndTheTimeOffset) {
+  SineWorld world;
+  world.time_offset_s = 0.008;
+  Measurements measurements = world.measure();
+  const ImuBias bias{{0.02, -0.03, 0.07}, {0.1, -0.05, 0.08}};
+  for (ImuSample& sample : measurements.imu) {
+    sample.angular_velocity += bias.gyro;
+    sample.linear_acceleration += bias.accel;
+  }
+  const auto estimate = estimate_batch(measurements, {}, {});
+  ASSERT_TRUE(estimate.time_offset_s.has_value());
+  EXPECT_NEAR(estimate.time_offset_s->value, 0.008, 5e-4);
+  const ImuBias& found = estimate.graph.states.back().bias;
+  EXPECT_LT((found.gyro - bias.gyro).norm(), 1e-3);
+  EXPECT_LT((found.accel - bias.accel).norm(), 2e-2);
+  EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 3e-3);
+}
+
+TEST(EstimateBatch, TheImuBridgesASecondWithoutVision) {
+  const SineWorld world;
+  Measurements measurements = world.measure();
+  erase_odometry(measurements, 2.5, 3.5);
+  const auto estimate = estimate_batch(measurements, {}, {});
+  EXPECT_EQ(estimate.graph.states.size(), measurements.times_ns.size());
+  EXPECT_TRUE(std::all_of(estimate.covered.begin(), estimate.covered.end(),
+                          [](bool covered) { return covered; }));
+  EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 0.02);
+}
+
+TEST(EstimateBatch, WithoutImuAHoleIsBridgedAndFlagged) {
+  const SineWorld world;
+  Measurements measurements = world.measure();
+  measurements.imu.clear();
+  erase_odometry(measurements, 2.5, 2.6);
+  const auto estimate = estimate_batch(measurements, {}, {});
+  EXPECT_FALSE(estimate.inertial);
+  EXPECT_EQ(std::count(estimate.covered.begin(), estimate.covered.end(), false), 2);
+  for (const pgo::State& state : estimate.graph.states) {
+    EXPECT_TRUE(state.nav.T_world_body.matrix().allFinite());
+  }
+  EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 0.2);
+}
+
+TEST(EstimateBatch, AnImuInUnitsOfGIsNotUsedAndTheReasonIsGiven) {
+  const SineWorld world;
+  Measurements measurements = world.measure();
+  for (ImuSample& sample : measurements.imu) sample.linear_acceleration /= 9.81;
+  const auto estimate = estimate_batch(measurements, {}, {});
+  EXPECT_FALSE(estimate.inertial);
+  ASSERT_FALSE(estimate.warnings.empty());
+  EXPECT_NE(estimate.warnings.front().find("IMU not used"), std::string::npos);
+  EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 1e-3);
+}
+
+TEST(EstimateBatch, TheDisparityOffsetScalesTheMotionsThatDependOnIt) {
+  const SineWorld world;
+  Measurements measurements = world.measure();
+  // As if every step were seen 1 % too short because of an offset of 0.5 px.
+  for (RelativeMotion& motion : measurements.odometry) {
+    const Eigen::Vector3d t = motion.T_body0_body1.translation();
+    const auto& R = motion.T_body0_body1.rotation();
+    motion.J_disparity_offset.head<3>() = R.inverse() * Eigen::Vector3d(0.02 * t);
+    motion.T_body0_body1 = lie::SE3d(R, 0.99 * t);
+  }
+  const auto estimate = estimate_batch(measurements, Estimate{0.0, 2.0}, {});
+  EXPECT_NEAR(estimate.disparity_offset_px.value, 0.5, 0.1);
+  EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 5e-3);
+}
+
+TEST(EstimateBatch, ThePublishedPresetSolvesWindowByWindow) {
+  const SineWorld world;
+  SlamOptions options;
+  options.system.preset = "paper";
+  const auto estimate = estimate_batch(world.measure(), {}, options);
+  EXPECT_EQ(estimate.graph.states.size(), 121U);
+  EXPECT_TRUE(estimate.graph.visual_edges.empty());
+  EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 0.05);
+}
+
+}  // namespace
+}  // namespace imslam::system
