@@ -74,6 +74,7 @@ Json counter_block(const Counters& c) {
           {"frames_degraded", c.frames_degraded},
           {"vo_failures", c.vo_failures},
           {"skip_edges", c.skip_edges},
+          {"loop_edges", c.loop_edges},
           {"imu_samples", c.imu_samples},
           {"imu_dropped", c.imu_dropped},
           {"imu_gaps", c.imu_gaps}};

@@ -21,6 +21,7 @@ void SystemOptions::describe(Config& config) {
   config.field("imu", imu, {"raw", "off"}, "which inertial measurements take part");
   config.field("preset", preset, {"default", "paper"}, "which graph");
   config.field("paper_weights", paper_weights, {"euroc", "kitti"}, "constants of preset paper");
+  config.field("loops", loops, "views seen again tie the present to the past");
   config.field("online", online, "a sliding window also estimates while frames come in");
   config.field("estimate_disparity_offset", estimate_disparity_offset,
                "estimate the constant error of the stereo rectification");
@@ -68,6 +69,7 @@ void SystemOptions::validate() const {
 void SlamOptions::describe(Config& config) {
   config.section("system", system);
   config.section("vo", vo);
+  config.section("loops", loops);
   config.section("imu", preintegration);
   config.section("gyro_alignment", gyro_alignment);
   config.section("still", still);
@@ -79,6 +81,7 @@ void SlamOptions::describe(Config& config) {
 void SlamOptions::validate() const {
   system.validate();
   vo.validate();
+  loops.validate();
   preintegration.validate();
   gyro_alignment.validate();
   still.validate();

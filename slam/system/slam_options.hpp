@@ -7,6 +7,7 @@
 #include "imu_net/static_detector.hpp"
 #include "pgo/options.hpp"
 #include "pgo/sliding_window.hpp"
+#include "vo_net/loop_options.hpp"
 #include "vo_net/visual_odometry.hpp"
 
 namespace imslam {
@@ -21,6 +22,7 @@ struct SystemOptions {
   std::string imu = "raw";              ///< which inertial measurements take part: raw, off
   std::string preset = "default";       ///< which graph: default, paper (the published method's)
   std::string paper_weights = "euroc";  ///< constants of the paper preset: euroc, kitti
+  bool loops = false;                   ///< views seen again tie the present to the past
   bool online = true;                   ///< a sliding window also estimates while frames come in
 
   bool estimate_disparity_offset = true;   ///< of the stereo rectification
@@ -49,6 +51,7 @@ struct SystemOptions {
 struct SlamOptions {
   SystemOptions system;
   vo::VoOptions vo;
+  vo::LoopOptions loops;
   imu::PreintegrationOptions preintegration;
   imu::GyroAlignmentOptions gyro_alignment;
   imu::StaticDetectorOptions still;

@@ -27,6 +27,7 @@ struct Counters {
   std::size_t frames_degraded = 0;  ///< pose bridged without enough measurements
   std::size_t vo_failures = 0;      ///< usable images, but no motion found
   std::size_t skip_edges = 0;
+  std::size_t loop_edges = 0;  ///< to views seen long before
   std::size_t imu_samples = 0;
   std::size_t imu_dropped = 0;  ///< not finite, repeated or out of order
   std::size_t imu_gaps = 0;     ///< intervals with a gap or saturation

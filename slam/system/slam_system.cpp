@@ -10,6 +10,7 @@
 #include "slam/system/measurements.hpp"
 #include "slam/system/online_estimator.hpp"
 #include "slam/system/resources.hpp"
+#include "vo_net/loop_closer.hpp"
 #include "vo_net/visual_odometry.hpp"
 
 namespace imslam::system {
@@ -24,6 +25,7 @@ class SlamSystem::State {
         online_(options),
         map_sampler_(camera, options.system),
         inertial_(imu_noise.has_value()) {
+    if (options.system.loops) loops_.emplace(options.loops, options.vo, camera);
     if (!imu_noise) return;
     measurements_.imu_noise = *imu_noise;
     measurements_.imu_noise.gyro_noise_density *= options.system.gyro_noise_factor;
@@ -70,6 +72,7 @@ class SlamSystem::State {
     for (const RelativeMotion& skip : seen.skip_motions) {
       if (skip.valid) measurements_.skips.push_back(skip);
     }
+    if (loops_) recognise(frame, seen);
     if (inertial_ && options_.system.online) {
       const StageScope scope(result_.timing, "sliding window");
       online_.update(measurements_);
@@ -77,6 +80,14 @@ class SlamSystem::State {
     const auto index = static_cast<std::uint32_t>(measurements_.times_ns.size() - 1);
     map_sampler_.add(frame, index, seen, result_.map);
     return {seen.motion.inliers, vision};
+  }
+
+  void recognise(const StereoFrame& frame, const vo::VoOutput& seen) {
+    const StageScope scope(result_.timing, "loops");
+    for (const RelativeMotion& loop : loops_->process(frame, seen, odometry_.disparity_offset())) {
+      measurements_.skips.push_back(loop);
+      ++result_.counters.loop_edges;
+    }
   }
 
   void count(const StereoFrame& frame, const vo::VoOutput& seen) {
@@ -110,6 +121,7 @@ class SlamSystem::State {
   SlamOptions options_;
   vo::VisualOdometry odometry_;
   OnlineEstimator online_;
+  std::optional<vo::LoopCloser> loops_;  ///< empty: off
   MapSampler map_sampler_;
   Measurements measurements_;
   bool inertial_;

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "slam/sensors/motion.hpp"
+#include "slam/sensors/stereo.hpp"
+#include "vo_net/keyframe_map.hpp"
+#include "vo_net/keyframe_match.hpp"
+
+namespace imslam::vo {
+
+/// Ties the present to old views: motions from frames of long ago, measured afresh, whose errors
+/// are not those of the odometry.
+///
+/// Holds its own estimate of where the body is in the map of its keyframes, the odometry corrected
+/// by what it recognises (a Kalman filter over one pose). It only says where to search and which
+/// views to compare; the motions do not lean on it.
+class LoopCloser {
+ public:
+  LoopCloser(const LoopOptions& options, const VoOptions& vo, const StereoCamera& camera);
+
+  /// A frame and what the odometry made of it, in order of time. Returns motions from old frames to
+  /// this one, none for most frames.
+  std::vector<RelativeMotion> process(const StereoFrame& frame,
+                                      const VoOutput& seen,
+                                      double disparity_offset);
+
+  const KeyframeMap& map() const { return map_; }
+  lie::SE3d T_map_body() const { return T_map_body_; }
+
+ private:
+  using Matrix6 = Eigen::Matrix<double, 6, 6>;
+  void advance(const RelativeMotion& motion);
+  void bridge(std::int64_t time_ns);
+  void move(const lie::SE3d& T_body0_body1, const Matrix6& covariance);
+  std::vector<RelativeMotion> recognise(const StereoFrame& frame, double disparity_offset);
+  std::optional<PredictedMotion> predict(const Keyframe& keyframe) const;
+  void correct(const Keyframe& keyframe, const RelativeMotion& motion);
+  void keep(const StereoFrame& frame, const std::vector<StereoPoint>& points);
+
+  LoopOptions options_;
+  VoOptions vo_;
+  StereoCamera camera_;
+  KeyframeMap map_;
+  KeyframeMatcher matcher_;
+  CurrentView view_;
+  lie::SE3d T_map_body_;
+  Matrix6 covariance_ = Matrix6::Zero();  ///< right tangent
+  std::optional<std::int64_t> time_ns_;   ///< of T_map_body_
+  int frames_since_search_ = 0;
+};
+
+}  // namespace imslam::vo
