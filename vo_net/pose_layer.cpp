@@ -1,13 +1,12 @@
 #include "vo_net/pose_layer.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
 #include "slam/base/error.hpp"
+#include "vo_net/pose_layer_covariance.hpp"
 #include "vo_net/pose_layer_system.hpp"
 
 namespace imslam::vo {
@@ -18,11 +17,12 @@ using detail::Model;
 using detail::Problem;
 using detail::ReducedSystem;
 using detail::ReducedVector;
+using detail::solve_positive;
+using detail::Spread;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kMedianChiSquared3 = 2.366;  // of s, which has 4 - 1 degrees of freedom
-constexpr double kMinReciprocalCondition = 1e-9;
 constexpr double kStartDamping = 1e-6;
 constexpr int kNarrowings = 4;         // rounds of the final descent
 constexpr double kMuchNarrower = 0.7;  // the scale must fall below this share to repeat it
@@ -31,18 +31,6 @@ double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
-}
-
-/// Symmetric 6x6 solve with unit diagonal scaling; empty if not positive definite.
-std::optional<Vector6> solve_positive(const Matrix6& H, const Vector6& g) {
-  const Vector6 diagonal = H.diagonal();
-  if (!(diagonal.minCoeff() > 0.0)) return std::nullopt;
-  const Vector6 scale = diagonal.cwiseSqrt().cwiseInverse();
-  const Eigen::LLT<Matrix6> factor(scale.asDiagonal() * H * scale.asDiagonal());
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  const Vector6 x = scale.asDiagonal() * factor.solve(scale.asDiagonal() * g);
-  if (!x.allFinite()) return std::nullopt;
-  return x;
 }
 
 class Solver {
@@ -179,51 +167,6 @@ void Solver::descend() {
   }
 }
 
-/// H^-1 times Huber's factor, from the converged Gauss-Newton system; empty if not observable.
-struct Spread {
-  Matrix6 covariance;
-  double factor = 1.0;  ///< covariance = factor * H^-1
-};
-
-double measured_components(const Correspondence& c) {
-  return (c.flow_information.trace() > 0.0 ? 2.0 : 0.0) +
-         (c.disparity1_information > 0.0 ? 1.0 : 0.0);  // disparity0 pays for the unknown depth
-}
-
-std::optional<Spread> spread_of(const Problem& problem, const ReducedSystem& system) {
-  const Matrix6 H = system.H.topLeftCorner<6, 6>();
-  const Vector6 diagonal = H.diagonal();
-  if (!H.allFinite() || !(diagonal.minCoeff() > 0.0)) return std::nullopt;
-  const Vector6 scale = diagonal.cwiseSqrt().cwiseInverse();
-  const Matrix6 normalised = scale.asDiagonal() * H * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix6> eigen(normalised);
-  if (!(eigen.eigenvalues()[0] > kMinReciprocalCondition * eigen.eigenvalues()[5])) {
-    return std::nullopt;
-  }
-  double slopes = 0.0;
-  double squares = 0.0;
-  double bends = 0.0;
-  double components = 0.0;
-  for (std::size_t k = 0; k < system.points.size(); ++k) {
-    const detail::EliminatedPoint& p = system.points[k];
-    if (p.curvature <= 0.0) continue;
-    const Correspondence& c = problem.correspondences[k];
-    const double n = measured_components(c);
-    slopes += n * p.slope;
-    squares += c.weight * p.slope * p.slope * p.s;
-    bends += n * p.slope + 2.0 * p.bend * p.s;
-    components += n;
-  }
-  if (!(bends > 0.0) || !(components > 6.0)) return std::nullopt;
-  Spread spread;
-  const double lost_freedom = components / (components - 6.0);
-  spread.factor = std::max(lost_freedom * slopes * squares / (bends * bends), 1e-12);
-  const Matrix6 inverse = eigen.eigenvectors() * eigen.eigenvalues().cwiseInverse().asDiagonal() *
-                          eigen.eigenvectors().transpose();
-  spread.covariance = spread.factor * (scale.asDiagonal() * inverse * scale.asDiagonal());
-  return spread;
-}
-
 void fill_offset(const ReducedSystem& exact, double factor, PoseLayerResult& result) {
   const Matrix6 H = exact.H.topLeftCorner<6, 6>();
   const Vector6 coupling = exact.H.block<6, 1>(0, 6);
@@ -294,7 +237,7 @@ PoseLayerResult solve_pose(const Correspondences& correspondences,
   ReducedSystem system;
   detail::build_system(solver.problem(), solver.estimate(), Model::kGaussNewton, 0.0, system);
   fill_inliers(solver, system, options, result);
-  const std::optional<Spread> spread = spread_of(solver.problem(), system);
+  const std::optional<Spread> spread = detail::spread_of(solver.problem(), system);
   if (!spread || result.inliers < options.min_inliers || !result.converged) return result;
   result.cost = system.cost;
   result.covariance = spread->covariance;
