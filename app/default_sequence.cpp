@@ -26,7 +26,7 @@ fs::path make_default_sequence(const fs::path& runs_root, bool quiet) {
   auto options = simulation::default_sequence_options();
   options.force = true;
   Config config;
-  options.describe(config);
+  config.section("simulation", options);
   const std::string recipe = config.to_yaml();
   if (made_with(folder, recipe)) return folder;
 

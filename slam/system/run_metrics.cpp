@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "slam/base/time.hpp"
+#include "slam/evaluation/evaluation_text.hpp"
 #include "slam/system/resources.hpp"
 
 namespace imslam::system {
@@ -19,26 +20,10 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 Json number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 
 Json error_block(const evaluation::Evaluation& e) {
-  Json block = {{"ate_se3_rmse_m", number(e.ate_se3_rmse_m)},
-                {"ate_posyaw_rmse_m", number(e.ate_posyaw_rmse_m)},
-                {"ate_sim3_rmse_m", number(e.ate_sim3_rmse_m)},
-                {"scale", number(e.scale)},
-                {"rpe_1m_rmse_m", number(e.rpe_1m_rmse_m)},
-                {"rpe_frame_rmse_m", number(e.rpe_frame_rmse_m)},
-                {"rpe_frame_rmse_deg", number(e.rpe_frame_rmse_deg)},
-                {"t_rel_percent", number(e.t_rel_percent)},
-                {"r_rel_deg_per_100m", number(e.r_rel_deg_per_100m)},
-                {"end_error_percent", number(e.end_error_percent)},
-                {"rotation_end_deg", number(e.rotation_end_deg)},
-                {"matched", e.matched}};
+  Json block = Json::parse(evaluation::as_json(e).dump());  // ordered there, sorted here
   if (!e.sub_trajectories.segments.empty()) {
     block["sub_t_rel_percent"] = number(e.sub_trajectories.t_rel_percent);
     block["sub_r_rel_deg_per_100m"] = number(e.sub_trajectories.r_rel_deg_per_100m);
-  }
-  if (e.interpolated) {
-    block["interpolated"] = {{"ate_se3_rmse_m", number(e.interpolated->ate_se3_rmse_m)},
-                             {"rpe_frame_rmse_m", number(e.interpolated->rpe_frame_rmse_m)},
-                             {"rpe_frame_rmse_deg", number(e.interpolated->rpe_frame_rmse_deg)}};
   }
   return block;
 }
@@ -70,14 +55,10 @@ Json timing_block(const StageTimer& timing) {
 }
 
 Json counter_block(const Counters& c) {
-  return {{"frames_missing", c.frames_missing},
-          {"frames_degraded", c.frames_degraded},
-          {"vo_failures", c.vo_failures},
-          {"skip_edges", c.skip_edges},
-          {"loop_edges", c.loop_edges},
-          {"imu_samples", c.imu_samples},
-          {"imu_dropped", c.imu_dropped},
-          {"imu_gaps", c.imu_gaps}};
+  return {{"frames_missing", c.frames_missing}, {"frames_degraded", c.frames_degraded},
+          {"vo_failures", c.vo_failures},       {"skip_edges", c.skip_edges},
+          {"loop_edges", c.loop_edges},         {"imu_samples", c.imu_samples},
+          {"imu_dropped", c.imu_dropped},       {"imu_gaps", c.imu_gaps}};
 }
 
 double path_length(const Trajectory& trajectory) {

@@ -112,9 +112,16 @@ class SlamSystem::State {
     return vo::MotionPrior{motion.dR, std::nullopt};
   }
 
-  /// What vision alone says about the rectification.
-  Estimate seen_disparity_offset() const {
+  /// Moves all motions to the disparity offset that vision alone found. The odometry's own
+  /// trajectory gains from it; the graph refines it.
+  Estimate correct_disparity_offset() {
+    if (!options_.system.estimate_disparity_offset) return {};
     const auto estimate = odometry_.disparity_offset_estimate();
+    for (auto* motions : {&measurements_.odometry, &measurements_.skips}) {
+      for (RelativeMotion& motion : *motions) {
+        motion = vo::with_disparity_offset(motion, estimate.offset_px);
+      }
+    }
     return {estimate.offset_px, estimate.sigma_px};
   }
 
@@ -150,7 +157,8 @@ SlamResult SlamSystem::State::finish() {
   BatchEstimate batch;
   {
     const StageScope scope(result_.timing, "batch graph");
-    batch = estimate_batch(measurements_, seen_disparity_offset(), options_);
+    const Estimate offset = correct_disparity_offset();
+    batch = estimate_batch(measurements_, offset, options_);
   }
   for (const pgo::State& state : batch.graph.states) {
     result_.graph.add(state.time_ns, state.nav.T_world_body);
