@@ -16,22 +16,23 @@ constexpr std::size_t kLongestStart = 200;  // [frames]
 
 }  // namespace
 
-void OnlineEstimator::update(const Measurements& measurements) {
+void OnlineEstimator::update(const Measurements& measurements, const Estimate& disparity_offset) {
   if (measurements.imu.empty()) return;
   if (window_) {
     add_newest(measurements);
   } else if (measurements.times_ns.size() >= std::max(next_try_, kFirstTry)) {
-    try_to_start(measurements);
+    try_to_start(measurements, disparity_offset);
   }
 }
 
-void OnlineEstimator::try_to_start(const Measurements& measurements) {
+void OnlineEstimator::try_to_start(const Measurements& measurements,
+                                   const Estimate& disparity_offset) {
   next_try_ = measurements.times_ns.size() + kRetry;
   if (measurements.times_ns.size() > kLongestStart) return;
   SlamOptions options = options_;
   options.system.covariances = false;
   options.system.preset = "default";
-  const BatchEstimate start = estimate_batch(measurements, {}, options);
+  const BatchEstimate start = estimate_batch(measurements, disparity_offset, options);
   if (!start.inertial || !start.report.converged) return;
   pgo::PoseVelocityGraph graph(start.graph_options);
   graph.data() = start.graph;

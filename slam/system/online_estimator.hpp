@@ -8,6 +8,7 @@
 #include "slam/sensors/trajectory.hpp"
 #include "slam/system/measurements.hpp"
 #include "slam/system/slam_options.hpp"
+#include "slam/system/slam_result.hpp"
 
 namespace imslam::system {
 
@@ -20,7 +21,8 @@ class OnlineEstimator {
   explicit OnlineEstimator(const SlamOptions& options) : options_(options) {}
 
   /// Takes in the newest frame: the last of `measurements`. Its IMU samples must be there.
-  void update(const Measurements& measurements);
+  /// `disparity_offset` is what vision knows of the rectification by now.
+  void update(const Measurements& measurements, const Estimate& disparity_offset);
 
   /// What was known at each frame; empty before the start.
   const Trajectory& trajectory() const { return trajectory_; }
@@ -29,7 +31,7 @@ class OnlineEstimator {
   ImuBias bias() const { return window_ ? window_->newest().bias : ImuBias(); }
 
  private:
-  void try_to_start(const Measurements& measurements);
+  void try_to_start(const Measurements& measurements, const Estimate& disparity_offset);
   void add_newest(const Measurements& measurements);
 
   const SlamOptions options_;

@@ -3,8 +3,6 @@
 #include <array>
 #include <cmath>
 
-#include "slam/base/error.hpp"
-#include "slam/base/log.hpp"
 #include "slam/base/time.hpp"
 #include "slam/evaluation/errors.hpp"
 
@@ -64,35 +62,30 @@ Trajectory truth_in_graph_world(const PosePath& truth,
 
 }  // namespace
 
-std::optional<RunEvaluation> evaluate_run(const SlamResult& result,
-                                          const PosePath& truth,
-                                          const lie::SE3d& T_body_truth) {
-  try {
-    const PosePath graph = in_frame_of_truth(result.graph, T_body_truth, truth.frame);
-    const PosePath vo = in_frame_of_truth(result.vo_only, T_body_truth, truth.frame);
-    evaluation::EvaluationOptions options;
-    // KITTI's worlds are those of a camera: y points down.
-    if (truth.frame == "left") options.up_reference = -Eigen::Vector3d::UnitY();
-    RunEvaluation run;
-    run.graph = evaluation::evaluate(truth, graph, options);
-    run.vo = evaluation::evaluate(truth, vo, options);
-    if (result.online.size() > 1) {
-      const PosePath online = in_frame_of_truth(result.online, T_body_truth, truth.frame);
-      run.online = evaluation::evaluate(truth, online, options);
-    }
-    if (!result.inertial) {
-      // Without gravity the estimate's world has no vertical to turn about.
-      run.graph.ate_posyaw_rmse_m.reset();
-      run.vo.ate_posyaw_rmse_m.reset();
-    }
-    run.graph_by_length = errors_by_length(truth, graph);
-    run.vo_by_length = errors_by_length(truth, vo);
-    run.truth = truth_in_graph_world(truth, run.graph.se3, T_body_truth, result.graph);
-    return run;
-  } catch (const InputError& error) {
-    log::warn("no evaluation: {}", error.what());
-    return std::nullopt;
+RunEvaluation evaluate_run(const SlamResult& result,
+                           const PosePath& truth,
+                           const lie::SE3d& T_body_truth) {
+  const PosePath graph = in_frame_of_truth(result.graph, T_body_truth, truth.frame);
+  const PosePath vo = in_frame_of_truth(result.vo_only, T_body_truth, truth.frame);
+  evaluation::EvaluationOptions options;
+  // KITTI's worlds are those of a camera: y points down.
+  if (truth.frame == "left") options.up_reference = -Eigen::Vector3d::UnitY();
+  RunEvaluation run;
+  run.graph = evaluation::evaluate(truth, graph, options);
+  run.vo = evaluation::evaluate(truth, vo, options);
+  if (result.online.size() > 1) {
+    const PosePath online = in_frame_of_truth(result.online, T_body_truth, truth.frame);
+    run.online = evaluation::evaluate(truth, online, options);
   }
+  if (!result.inertial) {
+    // Without gravity the estimate's world has no vertical to turn about.
+    run.graph.ate_posyaw_rmse_m.reset();
+    run.vo.ate_posyaw_rmse_m.reset();
+  }
+  run.graph_by_length = errors_by_length(truth, graph);
+  run.vo_by_length = errors_by_length(truth, vo);
+  run.truth = truth_in_graph_world(truth, run.graph.se3, T_body_truth, result.graph);
+  return run;
 }
 
 }  // namespace imslam::system

@@ -25,11 +25,10 @@ struct RunEvaluation {
 
 /// Compares all trajectories of a run with the truth, in the frame of the truth (KITTI: camera 0).
 ///
-/// T_body_truth carries the estimate's body to the frame that the truth is of; `gravity_world` says
-/// whether the graph's z axis is vertical. Empty, with a warning in the log, if nothing can be
-/// compared: a run is not lost for want of a good truth.
-std::optional<RunEvaluation> evaluate_run(const SlamResult& result,
-                                          const PosePath& truth,
-                                          const lie::SE3d& T_body_truth);
+/// T_body_truth carries the estimate's body to the frame that the truth is of.
+/// Throws InputError(kEvaluation) with the reason if nothing can be compared.
+RunEvaluation evaluate_run(const SlamResult& result,
+                           const PosePath& truth,
+                           const lie::SE3d& T_body_truth);
 
 }  // namespace imslam::system

@@ -67,7 +67,9 @@ nlohmann::json manifest_json(const RunProvenance& provenance) {
 }
 
 void write_json(const fs::path& file, const nlohmann::json& json, int indent) {
-  write_file_atomic(file, json.dump(indent) + "\n");
+  // Paths may hold bytes that are not UTF-8; JSON may not.
+  constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
+  write_file_atomic(file, json.dump(indent, ' ', false, kReplace) + "\n");
 }
 
 }  // namespace

@@ -60,6 +60,30 @@ class ImuFeed {
   std::size_t next_ = 0;
 };
 
+void expect_imu_covers_frames(const datasets::Sequence& sequence, const FrameRange& range) {
+  const auto& samples = sequence.imu()->samples;
+  const std::int64_t first_ns = sequence.frame_time_ns(range.first);
+  const std::int64_t last_ns = sequence.frame_time_ns(range.last - 1);
+  if (samples.front().time_ns <= last_ns && samples.back().time_ns >= first_ns) return;
+  throw InputError(
+      fmt::format("{}: the IMU ({} to {} ns) covers none of the frames ({} to {} ns); write all "
+                  "stamps in nanoseconds of one clock, or leave the IMU out with --imu off",
+                  sequence.root().string(), samples.front().time_ns, samples.back().time_ns,
+                  first_ns, last_ns));
+}
+
+/// A poor truth costs the figures, never the run.
+std::optional<RunEvaluation> evaluate_if_possible(const datasets::Sequence& sequence,
+                                                  SlamResult& result) {
+  if (!sequence.truth()) return std::nullopt;
+  try {
+    return evaluate_run(result, *sequence.truth(), sequence.T_body_truth());
+  } catch (const InputError& error) {
+    result.warnings.push_back(fmt::format("no evaluation: {}", error.what()));
+    return std::nullopt;
+  }
+}
+
 bool uses_imu(const datasets::Sequence& sequence, const SlamOptions& options) {
   if (options.system.imu == "off") return false;
   if (!sequence.imu()) log::warn("{} has no IMU data: vision only", sequence.name());
@@ -68,9 +92,17 @@ bool uses_imu(const datasets::Sequence& sequence, const SlamOptions& options) {
 
 }  // namespace
 
+void check_request(const datasets::Sequence& sequence,
+                   const SlamOptions& options,
+                   const RunRequest& request) {
+  const FrameRange range = frame_range(sequence, request);
+  if (options.system.imu != "off" && sequence.imu()) expect_imu_covers_frames(sequence, range);
+}
+
 RunOutcome run_sequence(datasets::Sequence& sequence,
                         const SlamOptions& options,
                         const RunRequest& request) {
+  check_request(sequence, options, request);
   const FrameRange range = frame_range(sequence, request);
   const bool inertial = uses_imu(sequence, options);
   std::optional<ImuNoise> noise;
@@ -95,9 +127,7 @@ RunOutcome run_sequence(datasets::Sequence& sequence,
   if (inertial) outcome.result.counters.imu_dropped += sequence.imu()->dropped;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   outcome.summary = {sequence.name(), sequence.format(), elapsed.count()};
-  if (sequence.truth()) {
-    outcome.evaluation = evaluate_run(outcome.result, *sequence.truth(), sequence.T_body_truth());
-  }
+  outcome.evaluation = evaluate_if_possible(sequence, outcome.result);
   return outcome;
 }
 

@@ -27,8 +27,14 @@ struct RunOutcome {
   bool stopped = false;                     ///< by keep_going
 };
 
+/// Throws InputError(kUsage) if the frames do not exist, InputError(kData) if the sequence is
+/// shorter than two frames or its IMU covers none of them: what can be said before any output.
+void check_request(const datasets::Sequence& sequence,
+                   const SlamOptions& options,
+                   const RunRequest& request);
+
 /// Runs the SLAM system over a sequence and compares the result with its truth.
-/// Throws InputError(kUsage) if the frames do not exist, what reading the sequence throws, and
+/// Throws what check_request() throws, what reading the sequence throws, and
 /// InputError(kTrackingLost) if not a single motion was measured.
 RunOutcome run_sequence(datasets::Sequence& sequence,
                         const SlamOptions& options,

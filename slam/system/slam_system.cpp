@@ -75,7 +75,7 @@ class SlamSystem::State {
     if (loops_) recognise(frame, seen);
     if (inertial_ && options_.system.online) {
       const StageScope scope(result_.timing, "sliding window");
-      online_.update(measurements_);
+      online_.update(measurements_, seen_disparity_offset());
     }
     const auto index = static_cast<std::uint32_t>(measurements_.times_ns.size() - 1);
     map_sampler_.add(frame, index, seen, result_.map);
@@ -116,12 +116,17 @@ class SlamSystem::State {
   /// trajectory gains from it; the graph refines it.
   Estimate correct_disparity_offset() {
     if (!options_.system.estimate_disparity_offset) return {};
-    const auto estimate = odometry_.disparity_offset_estimate();
+    const Estimate estimate = seen_disparity_offset();
     for (auto* motions : {&measurements_.odometry, &measurements_.skips}) {
       for (RelativeMotion& motion : *motions) {
-        motion = vo::with_disparity_offset(motion, estimate.offset_px);
+        motion = vo::with_disparity_offset(motion, estimate.value);
       }
     }
+    return estimate;
+  }
+
+  Estimate seen_disparity_offset() const {
+    const auto estimate = odometry_.disparity_offset_estimate();
     return {estimate.offset_px, estimate.sigma_px};
   }
 

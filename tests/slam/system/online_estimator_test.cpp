@@ -20,7 +20,7 @@ void stream(const Measurements& all, OnlineEstimator& online) {
     for (; motion != all.odometry.end() && motion->time1_ns <= time_ns; ++motion) {
       so_far.odometry.push_back(*motion);
     }
-    online.update(so_far);
+    online.update(so_far, {});
   }
 }
 
