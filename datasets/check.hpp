@@ -31,9 +31,9 @@ struct CheckOptions {
 std::vector<Finding> check_sequence(const std::filesystem::path& folder,
                                     const CheckOptions& options = {});
 
-/// Whether left and right are exchanged: over the first `frames` complete frames the disparities are
-/// negative or the rows do not fit, while both are fine the other way round. About 15 ms per frame.
-/// Empty if all is well or nothing can be seen.
+/// Whether left and right are exchanged: over the first `frames` complete frames the disparities
+/// are negative or the rows do not fit, while both are fine the other way round. About 15 ms per
+/// frame. Empty if all is well or nothing can be seen.
 std::optional<Finding> check_stereo_order(Sequence& sequence, std::size_t frames = 10);
 
 }  // namespace imslam::datasets
