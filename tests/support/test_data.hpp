@@ -21,5 +21,5 @@ inline std::filesystem::path test_fixtures() {
 }  // namespace imslam::testing
 
 /// Skips the test, saying why, where real data is absent.
-#define IMSLAM_NEEDS(path)                                                       \
+#define IMSLAM_NEEDS(path) \
   if (!std::filesystem::exists(path)) GTEST_SKIP() << "not here: " << (path).string()
