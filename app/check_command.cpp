@@ -69,7 +69,9 @@ void print_json(const std::vector<Finding>& findings) {
                     {"what", finding.what},
                     {"remedy", finding.remedy}});
   }
-  fmt::print("{}\n", nlohmann::json{{"findings", list}}.dump(2));
+  // Paths may hold bytes that are not UTF-8; JSON may not.
+  constexpr auto kReplace = nlohmann::json::error_handler_t::replace;
+  fmt::print("{}\n", nlohmann::json{{"findings", list}}.dump(2, ' ', false, kReplace));
 }
 
 ExitCode exit_code_of(const std::vector<Finding>& findings, bool strict) {

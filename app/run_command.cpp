@@ -14,6 +14,7 @@
 #include "app/version.hpp"
 #include "datasets/check.hpp"
 #include "datasets/open_sequence.hpp"
+#include "slam/base/file.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/progress.hpp"
 #include "slam/base/text.hpp"
@@ -111,6 +112,7 @@ ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
                                ? make_default_sequence(arguments.runs, common.quiet)
                                : fs::path(arguments.dataset);
   const auto sequence = datasets::open_sequence(dataset, arguments.format);
+  system::check_request(*sequence, settings.slam(), request);
   expect_stereo_order(*sequence);
   const fs::path folder =
       system::make_run_folder(arguments.runs, sequence->name(), arguments.out, arguments.force);
@@ -127,12 +129,12 @@ ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
                      outcome.evaluation, settings.slam().system.map_voxel_m);
   if (arguments.out.empty()) system::update_latest_link(folder);
 
-  const auto metrics = system::metrics_json(outcome.result, outcome.summary, outcome.evaluation);
+  const std::string metrics = read_file(folder / "metrics.json");
   for (const std::string& warning : outcome.result.warnings) log::warn("{}", warning);
   if (arguments.json) {
-    std::printf("%s\n", metrics.dump(2).c_str());
+    std::fputs(metrics.c_str(), stdout);
   } else {
-    std::fputs(system::metrics_table(metrics).c_str(), stdout);
+    std::fputs(system::metrics_table(nlohmann::json::parse(metrics)).c_str(), stdout);
     std::printf("report: %s\n", (folder / "report.html").c_str());
   }
   return exit_code_of(outcome);

@@ -84,7 +84,8 @@ void add_end_errors(const MatchedPaths& m, Evaluation& result) {
   const Eigen::Matrix4d P = relative_pose(m.estimate.poses.front(), m.estimate.poses.back());
   const Eigen::Matrix4d E = relative_pose(Q, P);
   result.rotation_end_deg = rotation_angle(rotation(E)) * kDegreesPerRadian;
-  if (result.path_length_m > 0.0) {
+  constexpr double kAtRest_m = 1e-3;  // rounding alone makes a path of some 1e-15 m
+  if (result.path_length_m > kAtRest_m) {
     result.end_error_percent = 100.0 * position(E).norm() / result.path_length_m;
   }
 }
