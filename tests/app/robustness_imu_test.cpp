@@ -1,0 +1,115 @@
+// A damaged IMU through the executable; the figures of ../shared/reference/reliability.md, M5-M9.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/support/chaos.hpp"
+#include "tests/support/run_check.hpp"
+
+namespace imslam {
+namespace {
+
+using testing::Chaos;
+using testing::clean_run;
+using testing::expect_error_within;
+using testing::run_checked;
+using testing::TempDir;
+
+class DamagedImu : public ::testing::Test {
+ protected:
+  testing::CheckedRun run(int expected_code = 0) {
+    return run_checked(dir_, chaos_.folder(), "", "run", expected_code);
+  }
+  testing::CommandResult run_only() {
+    return testing::run_imslam(dir_, "run " + testing::quoted(chaos_.folder().string()) +
+                                         " --out " +
+                                         testing::quoted((dir_.path() / "run").string()));
+  }
+
+  TempDir dir_;
+  Chaos chaos_{testing::simulated_base().sequence, dir_.path() / "spoiled"};
+};
+
+struct BadSamples {
+  const char* name;
+  const char* value;
+  double length_s;
+  double factor;  ///< of the clean run's error that may be reached
+};
+void PrintTo(const BadSamples& samples, std::ostream* stream) { *stream << samples.name; }
+
+class DamagedSamples : public DamagedImu, public ::testing::WithParamInterface<BadSamples> {};
+
+TEST_P(DamagedSamples, CostNoMoreThanTheyMust) {  // M7
+  chaos_.edit_imu({3.0, 3.0 + GetParam().length_s}, [](Chaos::Reading& reading) {
+    for (const std::size_t axis : {1U, 3U}) reading.at(axis) = GetParam().value;
+  });
+  expect_error_within(GetParam().factor, run());
+}
+
+INSTANTIATE_TEST_SUITE_P(Values,
+                         DamagedSamples,
+                         ::testing::Values(BadSamples{"ANan", "nan", 0.004, 1.1},
+                                           BadSamples{"TenMsOfNan", "nan", 0.01, 1.1},
+                                           BadSamples{"HundredMsOfNan", "nan", 0.1, 1.5},
+                                           BadSamples{"TenMsOfInfinity", "-inf", 0.01, 1.1},
+                                           BadSamples{"TenMsOf1e30", "1e30", 0.01, 1.1},
+                                           BadSamples{"HundredMsOf1e30", "1e30", 0.1, 1.5},
+                                           BadSamples{"TenMsSaturated", "200", 0.01, 1.1},
+                                           BadSamples{"HundredMsSaturated", "200", 0.1, 1.5}),
+                         [](const auto& each) { return std::string(each.param.name); });
+
+class ImuGap : public DamagedImu, public ::testing::WithParamInterface<int> {};
+
+TEST_P(ImuGap, IsSurvived) {  // M8
+  const double length_s = 1e-3 * GetParam();
+  chaos_.cut_lines(chaos_.imu_csv(), {3.0, 3.0 + length_s});
+  const auto spoiled = run();
+  EXPECT_GE(spoiled.counter("imu_gaps"), length_s > 0.05 ? 1 : 0);
+  expect_error_within(1.5, spoiled);
+}
+
+INSTANTIATE_TEST_SUITE_P(Milliseconds,
+                         ImuGap,
+                         ::testing::Values(20, 50, 100, 500, 1000),
+                         [](const auto& each) { return "Gap" + std::to_string(each.param); });
+
+TEST_F(DamagedImu, SwappedLinesChangeNothing) {  // M5
+  chaos_.swap_neighbours(chaos_.imu_csv(), 50);
+  EXPECT_EQ(run().trajectory, clean_run().trajectory);
+}
+
+TEST_F(DamagedImu, RepeatedLinesChangeNothing) {  // M6
+  chaos_.repeat_lines(chaos_.imu_csv(), 0.1);
+  EXPECT_EQ(run().trajectory, clean_run().trajectory);
+}
+
+TEST_F(DamagedImu, AClockSetBackByAnHourIsADataErrorWithItsLine) {  // M5, M9
+  chaos_.move_stamps(chaos_.imu_csv(), 3.0, -3'600'000'000'000);
+  const auto result = run_only();
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_NE(result.err.find("data.csv:602"), std::string::npos) << result.err;
+}
+
+TEST_F(DamagedImu, AClockThatLeapsAnHourAheadEndsInVision) {  // M9
+  chaos_.move_stamps(chaos_.imu_csv(), 3.0, 3'600'000'000'000);
+  expect_error_within(2.0, run());
+}
+
+TEST_F(DamagedImu, AnotherUnitOfTimeIsADataError) {  // M9
+  chaos_.move_stamps(chaos_.imu_csv(), -1e9, 0, 1e-3);
+  EXPECT_EQ(run_only().exit_code, 3);
+}
+
+TEST_F(DamagedImu, AShiftedClockIsMeasured) {  // M9
+  chaos_.move_stamps(chaos_.imu_csv(), -1e9, 20'000'000);
+  const auto spoiled = run();
+  const auto offset_s = [](const testing::CheckedRun& r) {
+    return r.metrics.at("calibration").at("time_offset_s").get<double>();
+  };
+  EXPECT_NEAR(std::abs(offset_s(spoiled) - offset_s(clean_run())), 0.02, 0.003);
+  expect_error_within(2.0, spoiled);
+}
+
+}  // namespace
+}  // namespace imslam

@@ -1,0 +1,143 @@
+// Damaged images through the executable; the figures of ../shared/reference/reliability.md, M1-M14.
+#include <gtest/gtest.h>
+
+#include <opencv2/core.hpp>
+
+#include "tests/support/chaos.hpp"
+#include "tests/support/run_check.hpp"
+
+namespace imslam {
+namespace {
+
+using testing::Chaos;
+using testing::clean_run;
+using testing::expect_error_within;
+using testing::run_checked;
+using testing::TempDir;
+using Side = Chaos::Side;
+
+class DamagedImages : public ::testing::Test {
+ protected:
+  testing::CheckedRun run() { return run_checked(dir_, chaos_.folder()); }
+
+  TempDir dir_;
+  Chaos chaos_{testing::simulated_base().sequence, dir_.path() / "spoiled"};
+};
+
+TEST_F(DamagedImages, AFewMissingPairsCostLittle) {  // M4
+  chaos_.drop_images(Side::kBoth, 0.05);
+  const auto spoiled = run();
+  expect_error_within(1.2, spoiled);
+  EXPECT_GT(spoiled.counter("frames_missing"), 0);
+}
+
+TEST_F(DamagedImages, EveryFifthPairMissingCostsAFactorOfTwo) {  // M4
+  chaos_.drop_images(Side::kBoth, 0.2);
+  const auto spoiled = run();
+  expect_error_within(2.0, spoiled);
+  EXPECT_GE(spoiled.counter("frames_missing"), 12);
+}
+
+TEST_F(DamagedImages, EveryFifthLeftImageMissing) {  // M4
+  chaos_.drop_images(Side::kLeft, 0.2);
+  expect_error_within(2.0, run());
+}
+
+TEST_F(DamagedImages, EveryFifthRightImageMissing) {  // M4
+  chaos_.drop_images(Side::kRight, 0.2);
+  expect_error_within(2.0, run());
+}
+
+TEST_F(DamagedImages, TheImuBridgesASecondWithoutImages) {  // M4
+  chaos_.drop_images(Side::kBoth, {3.0, 4.0});
+  const auto spoiled = run();
+  // Drift of 2 % of the distance covered.
+  EXPECT_LE(spoiled.metrics.at("graph").at("end_error_percent").get<double>(), 2.0);
+  EXPECT_LE(spoiled.ate_m(), 0.02 * clean_run().metrics.at("path_length_m").get<double>());
+}
+
+TEST_F(DamagedImages, TruncatedFilesCountAsMissing) {  // M1
+  chaos_.truncate_images(Side::kBoth, 0.05);
+  const auto spoiled = run();
+  EXPECT_GT(spoiled.counter("frames_missing"), 0);
+  expect_error_within(1.2, spoiled);
+}
+
+TEST_F(DamagedImages, FlippedBitsNeverSpoilTheTrajectory) {  // M1
+  chaos_.flip_bits(Side::kBoth, 0.2, 20);
+  expect_error_within(2.0, run());
+}
+
+TEST_F(DamagedImages, OtherThingsNamedPngCountAsMissing) {  // M1
+  chaos_.replace_images(Side::kLeft, 0.03, "");
+  chaos_.replace_images(Side::kRight, 0.03, "this is not an image\n");
+  const auto spoiled = run();
+  EXPECT_GT(spoiled.counter("frames_missing"), 0);
+  expect_error_within(1.2, spoiled);
+}
+
+struct Blindness {
+  const char* name;
+  Chaos::Pixels pixels;
+};
+void PrintTo(const Blindness& blindness, std::ostream* stream) { *stream << blindness.name; }
+
+class Blinded : public DamagedImages, public ::testing::WithParamInterface<Blindness> {};
+
+TEST_P(Blinded, TwoSecondsAreBridgedAndSaidToBeDegraded) {  // M12
+  chaos_.paint(Side::kBoth, {2.5, 4.5}, GetParam().pixels);
+  const auto spoiled = run();
+  EXPECT_GT(spoiled.counter("frames_degraded") + spoiled.counter("vo_failures"), 30);
+  EXPECT_LE(spoiled.ate_m(), 0.02 * clean_run().metrics.at("path_length_m").get<double>());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Images,
+    Blinded,
+    ::testing::Values(Blindness{"Black", [](cv::Mat& image, Random&) { image.setTo(0); }},
+                      Blindness{"White", [](cv::Mat& image, Random&) { image.setTo(255); }},
+                      Blindness{"Noise",
+                                [](cv::Mat& image, Random& random) {
+                                  for (auto p = image.begin<std::uint8_t>();
+                                       p != image.end<std::uint8_t>(); ++p)
+                                    *p = static_cast<std::uint8_t>(random.integer(0, 255));
+                                }}),
+    [](const auto& each) { return std::string(each.param.name); });
+
+class Exposed : public DamagedImages, public ::testing::WithParamInterface<double> {};
+
+TEST_P(Exposed, AStepOfTheExposureCostsHalfAtMost) {  // M13
+  const double gain = GetParam();
+  for (const double from_s : {2.0, 4.0}) {
+    chaos_.paint(Side::kBoth, {from_s, from_s + 1.0},
+                 [gain](cv::Mat& image, Random&) { image.convertTo(image, -1, gain); });
+  }
+  expect_error_within(1.5, run());
+}
+
+INSTANTIATE_TEST_SUITE_P(Gains, Exposed, ::testing::Values(0.25, 0.5, 2.0, 4.0), [](const auto& i) {
+  return "Percent" + std::to_string(static_cast<int>(100 * i.param));
+});
+
+TEST_F(DamagedImages, ASpliceNeitherExplodesNorGoesUnseen) {  // M14
+  chaos_.splice({2.0, 3.5});
+  const auto spoiled = run();
+  EXPECT_GT(spoiled.counter("vo_failures") + spoiled.counter("frames_degraded"), 0);
+  EXPECT_LE(spoiled.metrics.at("path_length_m").get<double>(),
+            1.5 * clean_run().metrics.at("path_length_m").get<double>());
+}
+
+TEST_F(DamagedImages, SwappedLinesOfTheIndexChangeNothing) {  // M5
+  chaos_.swap_neighbours(chaos_.left_csv(), 12);
+  chaos_.swap_neighbours(chaos_.right_csv(), 12);
+  EXPECT_EQ(run().trajectory, clean_run().trajectory);
+}
+
+TEST_F(DamagedImages, RepeatedLinesOfTheIndexChangeNothing) {  // M6
+  chaos_.repeat_lines(chaos_.left_csv(), 0.1);
+  chaos_.repeat_lines(chaos_.right_csv(), 0.1);
+  EXPECT_EQ(run().trajectory, clean_run().trajectory);
+}
+
+}  // namespace
+}  // namespace imslam

@@ -1,0 +1,172 @@
+#pragma once
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "tests/support/command.hpp"
+
+namespace imslam::testing {
+
+/// What a run left behind.
+struct CheckedRun {
+  CommandResult command;
+  nlohmann::json metrics;
+  std::string trajectory;  ///< trajectory.tum
+
+  double ate_m(const char* part = "graph") const {
+    return metrics.at(part).at("ate_se3_rmse_m").get<double>();
+  }
+  int counter(const char* name) const { return metrics.at("counters").at(name).get<int>(); }
+};
+
+/// nullptr stands where a figure is undefined; only these may be.
+inline void expect_defined(const nlohmann::json& json, const std::string& path) {
+  // The path may be too short for a drift or a metre, or hold no gravity.
+  const bool may_be_null =
+      path.find("_rel_") != std::string::npos || path.find("rpe_1m") != std::string::npos ||
+      path.find("posyaw") != std::string::npos || path.find("sigma") != std::string::npos;
+  if (json.is_null()) {
+    EXPECT_TRUE(may_be_null) << path << " is null";
+  } else if (json.is_number_float()) {
+    EXPECT_TRUE(std::isfinite(json.get<double>())) << path;
+  } else if (json.is_structured()) {
+    for (const auto& [key, value] : json.items()) expect_defined(value, path + "/" + key);
+  }
+}
+
+/// Eight finite numbers a line, stamps that grow, unit quaternions. Returns the number of poses.
+inline int expect_poses(const std::string& text) {
+  std::istringstream lines(text);
+  double latest = -1e300;
+  int poses = 0;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.empty() || line[0] == '#') continue;
+    std::istringstream cells(line);
+    double v[8] = {};
+    for (double& value : v) cells >> value;
+    EXPECT_FALSE(cells.fail()) << line;
+    for (const double value : v) EXPECT_TRUE(std::isfinite(value)) << line;
+    EXPECT_GT(v[0], latest) << line;
+    EXPECT_NEAR(v[4] * v[4] + v[5] * v[5] + v[6] * v[6] + v[7] * v[7], 1.0, 1e-5) << line;
+    EXPECT_LT(std::abs(v[1]) + std::abs(v[2]) + std::abs(v[3]), 100.0) << "exploded: " << line;
+    latest = v[0];
+    ++poses;
+  }
+  return poses;
+}
+
+/// All files of a run folder, every number in them finite, a pose per frame.
+inline void expect_complete_run(const std::filesystem::path& folder, CheckedRun& run) {
+  for (const char* name :
+       {"trajectory.tum", "trajectory.kitti", "trajectory.csv", "vo_only.tum", "graph.g2o",
+        "map.pcd", "metrics.json", "series.json", "config.yaml", "manifest.json", "report.html"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder / name)) << name << "\n" << run.command.err;
+  }
+  run.trajectory = slurp(folder / "trajectory.tum");
+  run.metrics = nlohmann::json::parse(slurp(folder / "metrics.json"), nullptr, false);
+  ASSERT_TRUE(run.metrics.is_object()) << run.command.err;
+  expect_defined(run.metrics, "metrics");
+  EXPECT_EQ(expect_poses(run.trajectory), run.metrics.at("frames").get<int>());
+  expect_poses(slurp(folder / "vo_only.tum"));
+  EXPECT_EQ(run.metrics.at("coverage").get<double>(), 1.0);
+  const std::string graph = slurp(folder / "graph.g2o");
+  EXPECT_EQ(graph.find("nan"), std::string::npos);
+  EXPECT_EQ(graph.find("inf"), std::string::npos);
+}
+
+/// metrics.json without what may differ between equal runs: times and memory.
+inline std::string reproducible(nlohmann::json metrics) {
+  for (const char* key : {"timing_ms", "frames_per_second", "peak_memory_mb", "dataset"}) {
+    metrics.erase(key);
+  }
+  return metrics.dump();
+}
+
+/// Runs `dataset` into `dir`/`name` and checks whatever must hold for every run.
+inline CheckedRun run_checked(const TempDir& dir,
+                              const std::filesystem::path& dataset,
+                              const std::string& arguments = "",
+                              const std::string& name = "run",
+                              int expected_code = 0) {
+  CheckedRun run;
+  const auto out = dir.path() / name;
+  run.command = run_imslam(dir, "run " + quoted(dataset.string()) + " --quiet --out " +
+                                    quoted(out.string()) + " " + arguments);
+  EXPECT_EQ(run.command.exit_code, expected_code) << run.command.err;
+  expect_complete_run(out, run);
+  return run;
+}
+
+/// The unspoiled sequence and a run on it.
+struct SimulatedBase {
+  std::filesystem::path sequence;
+  std::filesystem::path clean_run;
+};
+
+inline void make_base(const SimulatedBase& base) {
+  const std::string quiet = " --quiet >/dev/null 2>&1 </dev/null";
+  const auto fresh = base.sequence.parent_path() / "fresh";
+  const std::string simulate =
+      quoted(IMSLAM_EXECUTABLE) + " simulate " + quoted(fresh.string()) +
+      " --set duration_s=6 rest_s=0.5 speed=1.5 camera.width=376 camera.height=240"
+      " imu.shape_scale=0 antialias=false" +
+      quiet;
+  const std::string run = quoted(IMSLAM_EXECUTABLE) + " run " + quoted(base.sequence.string()) +
+                          " --out " + quoted(base.clean_run.string()) + quiet;
+  ASSERT_EQ(std::system(simulate.c_str()), 0);
+  std::filesystem::rename(fresh, base.sequence);
+  ASSERT_EQ(std::system(run.c_str()), 0);
+}
+
+/// Made by the executable under test, once per build of it however many processes share it: 6 s in
+/// a room at 20 Hz, about 5 m, small images, an IMU with noise and bias but no errors of scale.
+inline SimulatedBase simulated_base() {
+  namespace fs = std::filesystem;
+  const fs::path cache = IMSLAM_TEST_CACHE;
+  fs::create_directories(cache);
+  const auto age = fs::last_write_time(IMSLAM_EXECUTABLE).time_since_epoch().count();
+  const fs::path home = cache / std::to_string(age);
+  const SimulatedBase base = {home / "sequence", home / "clean"};
+  const int lock = ::open((cache / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
+  ::flock(lock, LOCK_EX);
+  if (!fs::exists(base.clean_run / "report.html")) {
+    for (const auto& entry : fs::directory_iterator(cache)) {  // of earlier builds
+      if (entry.is_directory()) fs::remove_all(entry.path());
+    }
+    fs::create_directories(home);
+    make_base(base);
+  }
+  ::close(lock);
+  return base;
+}
+
+/// The run on the unspoiled sequence.
+inline const CheckedRun& clean_run() {
+  static const CheckedRun run = [] {
+    CheckedRun clean;
+    expect_complete_run(simulated_base().clean_run, clean);
+    return clean;
+  }();
+  return run;
+}
+
+/// Holds the error of a spoiled run against `factor` times that of the unspoiled one. Below a
+/// millimetre a ratio would say nothing. The ratio is kept in the test's record (--gtest_output).
+inline void expect_error_within(double factor, const CheckedRun& spoiled) {
+  const double clean_m = std::max(clean_run().ate_m(), 1e-3);
+  const double ratio = spoiled.ate_m() / clean_m;
+  ::testing::Test::RecordProperty("error_ratio", std::to_string(ratio));
+  EXPECT_LE(ratio, factor) << spoiled.ate_m() << " m, unspoiled " << clean_m << " m\n"
+                           << spoiled.metrics.at("counters");
+}
+
+}  // namespace imslam::testing
