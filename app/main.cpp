@@ -21,7 +21,7 @@ constexpr const char* kFooter =
     "Examples:\n"
     "  imslam run                               the built-in simulated sequence\n"
     "  imslam run MH_01_easy                    a EuRoC folder (format found by itself)\n"
-    "  imslam run sequences/00 --frames 0:500 --set pgo.visual_kernel=huber\n"
+    "  imslam run sequences/00 --frames 0:500 --set pgo.huber=1.0\n"
     "  imslam eval truth.tum runs/latest/trajectory.tum\n"
     "  imslam check my_recording --json\n"
     "\n"

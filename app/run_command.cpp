@@ -33,7 +33,7 @@ constexpr const char* kExamples =
     "  imslam run sequences/00 --frames 0:500        part of a KITTI sequence\n"
     "  imslam run MH_01_easy --imu off               vision only\n"
     "  imslam run MH_01_easy --config paper_euroc    the published method's graph\n"
-    "  imslam run MH_01_easy --set pgo.kernel_width=3 --json";
+    "  imslam run MH_01_easy --set pgo.huber=3 --json";
 
 struct RunArguments {
   std::string dataset;

@@ -21,7 +21,7 @@ void require(bool valid, const char* key, const Value& value, const char* bound)
 void GraphOptions::describe(Config& config) {
   config.field("gravity", gravity_magnitude, "magnitude of gravity [m/s^2]");
   config.field("kernel", kernel, {"none", "huber", "cauchy"}, "robust kernel of visual edges");
-  config.field("kernel_width", kernel_width, "kernel width [standard deviations]");
+  config.field("huber", kernel_width, "kernel width [standard deviations]");
   config.field("gyro_random_walk", gyro_random_walk, "gyro bias walk [rad/s^2/sqrt(Hz)]");
   config.field("accel_random_walk", accel_random_walk, "accelerometer bias walk [m/s^3/sqrt(Hz)]");
   config.field("estimate_gravity", estimate_gravity, "estimate the direction of gravity");
@@ -36,7 +36,7 @@ void GraphOptions::validate() const {
           "more than 0 and less than 100 m/s^2");
   require(kernel == "none" || kernel == "huber" || kernel == "cauchy", "pgo.kernel", kernel,
           "none, huber or cauchy");
-  require(kernel_width > 0.0 && kernel_width < 1e6, "pgo.kernel_width", kernel_width,
+  require(kernel_width > 0.0 && kernel_width < 1e6, "pgo.huber", kernel_width,
           "more than 0 and less than 1e6");
   require(gyro_random_walk > 0.0 && gyro_random_walk < 1e3, "pgo.gyro_random_walk",
           gyro_random_walk, "more than 0 and less than 1e3");
