@@ -94,7 +94,8 @@ bool PatchTemplate::take(const ImagePyramid::Level& level,
   Lane sum = Lane::Zero();
   for (int r = 0; r < window + 2; ++r) {
     float* row = wide[static_cast<std::size_t>(r)].data();
-    for (int c = 0; c < window + 2; c += 4) Eigen::Map<Lane>(row + c) = sampler.four(r, c);
+    // As far as the differences below read: what the mask multiplies by 0 must be a number.
+    for (int c = 0; c < lanes_ + 2; c += 4) Eigen::Map<Lane>(row + c) = sampler.four(r, c);
     if (r == 0 || r > window) continue;
     for (int c = 0; c < lanes_; c += 4) {
       sum += mask_.segment<4>(c) * Eigen::Map<const Lane>(row + c + 1);

@@ -22,7 +22,7 @@ struct SystemOptions {
   std::string imu = "raw";              ///< which inertial measurements take part: raw, off
   std::string preset = "default";       ///< which graph: default, paper (the published method's)
   std::string paper_weights = "euroc";  ///< constants of the paper preset: euroc, kitti
-  bool loops = false;                   ///< views seen again tie the present to the past
+  bool loops = true;                    ///< views seen again tie the present to the past
   bool online = true;                   ///< a sliding window also estimates while frames come in
 
   bool estimate_disparity_offset = true;   ///< of the stereo rectification

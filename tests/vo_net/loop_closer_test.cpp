@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -72,12 +73,19 @@ Eigen::Matrix<double, 6, 1> some_error() {
   return off;
 }
 
-class LoopMatch : public ::testing::TestWithParam<lie::SE3d> {};
+/// Sideways, forwards, rolled about the optical axis.
+lie::SE3d seen_again_from(int index) {
+  if (index == 0) return pose(0.2, -0.1, 0.0, 0.02, 0.06, 0.0);
+  if (index == 1) return pose(0.05, 0.05, 0.5, 0.0, -0.03, 0.05);
+  return pose(-0.1, 0.1, -0.2, -0.03, 0.02, 0.5);
+}
+
+class LoopMatch : public ::testing::TestWithParam<int> {};
 
 TEST_P(LoopMatch, GivesTheMotionToAPlaneSeenAgainFromAPoorPrediction) {
   const PlaneWorld world(4);
   const StereoCamera camera = small_camera();
-  const lie::SE3d T_left0_left1 = GetParam();
+  const lie::SE3d T_left0_left1 = seen_again_from(GetParam());
   const Keyframe keyframe =
       keyframe_of(world.draw(camera, lie::SE3d(), time_of_frame(0)), lie::SE3d());
   const CurrentView view = view_of(world.draw(camera, T_left0_left1, time_of_frame(99), 0.8));
@@ -94,11 +102,7 @@ TEST_P(LoopMatch, GivesTheMotionToAPlaneSeenAgainFromAPoorPrediction) {
   EXPECT_LT(error.dot(motion->covariance.ldlt().solve(error)), 25.0);
 }
 
-INSTANTIATE_TEST_SUITE_P(SidewaysForwardsRolled,
-                         LoopMatch,
-                         ::testing::Values(pose(0.2, -0.1, 0.0, 0.02, 0.06, 0.0),
-                                           pose(0.05, 0.05, 0.5, 0.0, -0.03, 0.05),
-                                           pose(-0.1, 0.1, -0.2, -0.03, 0.02, 0.5)));
+INSTANTIATE_TEST_SUITE_P(SidewaysForwardsRolled, LoopMatch, ::testing::Values(0, 1, 2));
 
 TEST(KeyframeMatcher, FindsNothingInAnotherScene) {
   const StereoCamera camera = small_camera();
