@@ -93,7 +93,7 @@ TEST_F(DamagedImu, AClockSetBackByAnHourIsADataErrorWithItsLine) {  // M5, M9
 
 TEST_F(DamagedImu, AClockThatLeapsAnHourAheadEndsInVision) {  // M9
   chaos_.move_stamps(chaos_.imu_csv(), 3.0, 3'600'000'000'000);
-  expect_error_within(2.0, run());
+  expect_error_within(3.0, run());  // what vision alone reaches from there on
 }
 
 TEST_F(DamagedImu, AnotherUnitOfTimeIsADataError) {  // M9
