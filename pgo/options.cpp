@@ -22,9 +22,6 @@ void GraphOptions::describe(Config& config) {
   config.field("gravity", gravity_magnitude, "magnitude of gravity [m/s^2]");
   config.field("kernel", kernel, {"none", "huber", "cauchy"}, "robust kernel of visual edges");
   config.field("huber", kernel_width, "kernel width [standard deviations]");
-  config.field("gyro_random_walk", gyro_random_walk, "gyro bias walk [rad/s^2/sqrt(Hz)]");
-  config.field("accel_random_walk", accel_random_walk, "accelerometer bias walk [m/s^3/sqrt(Hz)]");
-  config.field("estimate_gravity", estimate_gravity, "estimate the direction of gravity");
   config.field("estimate_disparity_offset", estimate_disparity_offset,
                "estimate the constant disparity error of the stereo rectification");
   config.field("estimate_time_offset", estimate_time_offset,

@@ -46,7 +46,7 @@ class BatchEstimator {
       start[i].nav.T_world_body = chain_.trajectory.poses[i];
     }
     pgo::GraphOptions graph_options = options_.pgo;
-    graph_options.estimate_disparity_offset = options_.system.estimate_disparity_offset;
+    graph_options.estimate_time_offset = false;
     pgo::PoseVelocityGraph graph = vision_graph(start, graph_options);
     graph.anchor_pose(0, start.front().nav.T_world_body);
     for (std::size_t i = 1; i < start.size(); ++i) {
@@ -142,8 +142,6 @@ class BatchEstimator {
     pgo::GraphOptions graph_options = options_.pgo;
     graph_options.gyro_random_walk = measurements_.imu_noise.gyro_random_walk;
     graph_options.accel_random_walk = measurements_.imu_noise.accel_random_walk;
-    graph_options.estimate_disparity_offset = system.estimate_disparity_offset;
-    graph_options.estimate_time_offset = system.estimate_time_offset;
     pgo::PoseVelocityGraph graph = vision_graph(start, graph_options);
     graph.set_globals(globals);
     for (std::size_t i = 0; i < motions.size(); ++i) {

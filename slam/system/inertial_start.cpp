@@ -74,7 +74,7 @@ InertialStart start_inertial(const Measurements& measurements,
   InertialStart start;
   ImuBias bias;
   imu::GyroAlignmentOptions alignment_options = options.gyro_alignment;
-  alignment_options.estimate_time_offset = options.system.estimate_time_offset;
+  alignment_options.estimate_time_offset = options.pgo.estimate_time_offset;
   if (const auto alignment = imu::align_gyro(measurements.odometry, measurements.imu,
                                              measurements.imu_noise, alignment_options)) {
     bias.gyro = alignment->gyro_bias;

@@ -23,9 +23,6 @@ void SystemOptions::describe(Config& config) {
   config.field("paper_weights", paper_weights, {"euroc", "kitti"}, "constants of preset paper");
   config.field("loops", loops, "views seen again tie the present to the past");
   config.field("online", online, "a sliding window also estimates while frames come in");
-  config.field("estimate_disparity_offset", estimate_disparity_offset,
-               "estimate the constant error of the stereo rectification");
-  config.field("estimate_time_offset", estimate_time_offset, "estimate the camera-IMU time offset");
   config.field("disparity_offset_prior_px", disparity_offset_prior_px,
                "[px] standard deviation of the disparity offset before looking");
   config.field("time_offset_prior_s", time_offset_prior_s,

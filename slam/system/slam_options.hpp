@@ -25,8 +25,6 @@ struct SystemOptions {
   bool loops = true;                    ///< views seen again tie the present to the past
   bool online = true;                   ///< a sliding window also estimates while frames come in
 
-  bool estimate_disparity_offset = true;   ///< of the stereo rectification
-  bool estimate_time_offset = true;        ///< camera to IMU
   double disparity_offset_prior_px = 2.0;  ///< standard deviation before looking
   double time_offset_prior_s = 0.02;       ///< likewise
   double gyro_bias_prior = 0.1;            ///< [rad/s] likewise
@@ -49,6 +47,12 @@ struct SystemOptions {
 
 /// All options of a run: one section per room.
 struct SlamOptions {
+  /// The graph of a run estimates both offsets unless told otherwise (pgo.estimate_...).
+  SlamOptions() {
+    pgo.estimate_disparity_offset = true;
+    pgo.estimate_time_offset = true;
+  }
+
   SystemOptions system;
   vo::VoOptions vo;
   vo::LoopOptions loops;

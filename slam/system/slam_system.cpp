@@ -115,7 +115,7 @@ class SlamSystem::State {
   /// Moves all motions to the disparity offset that vision alone found. The odometry's own
   /// trajectory gains from it; the graph refines it.
   Estimate correct_disparity_offset() {
-    if (!options_.system.estimate_disparity_offset) return {};
+    if (!options_.pgo.estimate_disparity_offset) return {};
     const Estimate estimate = seen_disparity_offset();
     for (auto* motions : {&measurements_.odometry, &measurements_.skips}) {
       for (RelativeMotion& motion : *motions) {
