@@ -214,7 +214,8 @@ std::optional<lie::SE3d> Comparison::scout(const PredictedMotion& predicted) con
   }
   const PoseLayerResult pose =
       solve_pose(matches, camera_, vo_.pose, predicted.T_body0_body1, offset_);
-  const double share = static_cast<double>(pose.inliers) / std::max(1.0, static_cast<double>(matches.size()));
+  const double share =
+      static_cast<double>(pose.inliers) / std::max(1.0, static_cast<double>(matches.size()));
   if (!pose.valid || pose.inliers < kMinScouts || share < kScoutShare) return std::nullopt;
   return pose.T_body0_body1;
 }
