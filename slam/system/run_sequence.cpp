@@ -26,7 +26,7 @@ FrameRange frame_range(const datasets::Sequence& sequence, const RunRequest& req
   const std::size_t last = request.last_frame == 0 ? count : request.last_frame;
   if (request.first_frame + 2 > last || last > count) {
     throw InputError(
-        fmt::format("--frames {}:{}: the sequence has frames 0 to {}; at least two are "
+        fmt::format("--frames {}:{}: the sequence has {} frames, from 0; at least two are "
                     "needed",
                     request.first_frame, last, count),
         count < 2 ? ExitCode::kData : ExitCode::kUsage);
