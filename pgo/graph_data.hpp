@@ -21,6 +21,7 @@ struct State {
 struct Globals {
   Eigen::Vector3d gravity_direction = -Eigen::Vector3d::UnitZ();  ///< in world, unit vector
   double disparity_offset = 0.0;                                  ///< [px]
+  double focal_error = 0.0;    ///< [1], true focal length = (1 + focal_error) stated
   double time_offset_s = 0.0;  ///< [s], t_imu = t_camera + time_offset
 };
 
@@ -79,7 +80,7 @@ struct ScalarPrior {
 
 /// Names one parameter block of the graph. `state` is ignored for the global ones.
 struct BlockId {
-  enum class Kind { kPose, kVelocity, kBias, kGravity, kDisparityOffset, kTimeOffset };
+  enum class Kind { kPose, kVelocity, kBias, kGravity, kDisparityOffset, kFocalError, kTimeOffset };
   Kind kind = Kind::kPose;
   int state = 0;
 
@@ -117,6 +118,7 @@ struct GraphData {
   std::vector<BiasPrior> bias_priors;
   std::vector<GravityPrior> gravity_priors;
   std::vector<ScalarPrior> disparity_offset_priors;
+  std::vector<ScalarPrior> focal_error_priors;
   std::vector<ScalarPrior> time_offset_priors;
   MarginalPrior marginal;
 };

@@ -72,6 +72,7 @@ void GraphProblem::copy_blocks(const GraphData& data) {
   }
   Eigen::Map<Eigen::Vector3d>(gravity_direction_.data()) = data.globals.gravity_direction;
   disparity_offset_ = data.globals.disparity_offset;
+  focal_error_ = data.globals.focal_error;
   time_offset_s_ = data.globals.time_offset_s;
 }
 
@@ -81,7 +82,7 @@ void GraphProblem::add_visual_edges(const GraphData& data) {
     visual_factors_.emplace_back(edge.motion, edge.sqrt_information);
     visual_ids_.push_back(problem_->AddResidualBlock(
         &visual_factors_.back(), loss_.get(), poses_[static_cast<std::size_t>(edge.from)].data(),
-        poses_[static_cast<std::size_t>(edge.to)].data(), &disparity_offset_));
+        poses_[static_cast<std::size_t>(edge.to)].data(), &disparity_offset_, &focal_error_));
   }
 }
 
@@ -157,6 +158,7 @@ void GraphProblem::add_global_priors(const GraphData& data) {
   for (const ScalarPrior& prior : data.disparity_offset_priors) {
     add_scalar(prior, &disparity_offset_);
   }
+  for (const ScalarPrior& prior : data.focal_error_priors) add_scalar(prior, &focal_error_);
   for (const ScalarPrior& prior : data.time_offset_priors) add_scalar(prior, &time_offset_s_);
 }
 
@@ -185,6 +187,7 @@ void GraphProblem::hold_globals() {
   };
   hold(gravity_direction_.data(), options_.estimate_gravity);
   hold(&disparity_offset_, options_.estimate_disparity_offset);
+  hold(&focal_error_, options_.estimate_focal_error);
   hold(&time_offset_s_, options_.estimate_time_offset);
 }
 
@@ -201,6 +204,8 @@ double* GraphProblem::block(const BlockId& id) {
       return gravity_direction_.data();
     case BlockId::Kind::kDisparityOffset:
       return &disparity_offset_;
+    case BlockId::Kind::kFocalError:
+      return &focal_error_;
     case BlockId::Kind::kTimeOffset:
       return &time_offset_s_;
   }
@@ -215,7 +220,8 @@ bool GraphProblem::estimated(const BlockId& id) {
 bool GraphProblem::store(GraphData& data) const {
   const Eigen::Map<const Eigen::Vector3d> gravity(gravity_direction_.data());
   if (!all_finite(poses_) || !all_finite(velocities_) || !all_finite(biases_) ||
-      !gravity.allFinite() || !std::isfinite(disparity_offset_) || !std::isfinite(time_offset_s_)) {
+      !gravity.allFinite() || !std::isfinite(disparity_offset_) || !std::isfinite(focal_error_) ||
+      !std::isfinite(time_offset_s_)) {
     return false;
   }
   for (std::size_t i = 0; i < data.states.size(); ++i) {
@@ -227,6 +233,7 @@ bool GraphProblem::store(GraphData& data) const {
   }
   data.globals.gravity_direction = gravity.normalized();
   data.globals.disparity_offset = disparity_offset_;
+  data.globals.focal_error = focal_error_;
   data.globals.time_offset_s = time_offset_s_;
   return true;
 }

@@ -61,6 +61,7 @@ class GraphProblem {
   std::vector<std::array<double, 6>> biases_;
   std::array<double, 3> gravity_direction_{};
   double disparity_offset_ = 0.0;
+  double focal_error_ = 0.0;
   double time_offset_s_ = 0.0;
 
   PoseManifold pose_manifold_;

@@ -12,7 +12,9 @@ std::vector<BlockId> estimated_blocks(GraphProblem& graph, int states) {
   for (int i = 0; i < states; ++i) {
     for (Kind kind : {Kind::kPose, Kind::kVelocity, Kind::kBias}) add(kind, i);
   }
-  for (Kind kind : {Kind::kGravity, Kind::kDisparityOffset, Kind::kTimeOffset}) add(kind, 0);
+  for (Kind kind : {Kind::kGravity, Kind::kDisparityOffset, Kind::kFocalError, Kind::kTimeOffset}) {
+    add(kind, 0);
+  }
   return blocks;
 }
 

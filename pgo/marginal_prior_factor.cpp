@@ -49,6 +49,7 @@ int block_size(Kind kind) {
     case Kind::kBias:
       return 6;
     case Kind::kDisparityOffset:
+    case Kind::kFocalError:
     case Kind::kTimeOffset:
       return 1;
   }

@@ -55,6 +55,9 @@ void move_to_first_estimates(GraphData& data) {
       case BlockId::Kind::kDisparityOffset:
         data.globals.disparity_offset = X(0);
         break;
+      case BlockId::Kind::kFocalError:
+        data.globals.focal_error = X(0);
+        break;
       case BlockId::Kind::kTimeOffset:
         data.globals.time_offset_s = X(0);
         break;

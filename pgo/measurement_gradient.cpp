@@ -43,7 +43,7 @@ MeasurementGradient measurement_gradient(const PoseVelocityGraph& graph, bool lo
     const auto at =
         factor.linearize(data.states[static_cast<std::size_t>(edge.from)].nav.T_world_body,
                          data.states[static_cast<std::size_t>(edge.to)].nav.T_world_body,
-                         data.globals.disparity_offset);
+                         data.globals.disparity_offset, data.globals.focal_error);
     result.visual[i] =
         edge_gradient<6>(at.residual, at.J_measurement, edge.sqrt_information,
                          slope(loss.get(), at.residual.squaredNorm()), log_determinant);

@@ -24,6 +24,8 @@ void GraphOptions::describe(Config& config) {
   config.field("huber", kernel_width, "kernel width [standard deviations]");
   config.field("estimate_disparity_offset", estimate_disparity_offset,
                "estimate the constant disparity error of the stereo rectification");
+  config.field("estimate_focal_error", estimate_focal_error,
+               "estimate how far the focal length is off, from vision's and the gyro's turns");
   config.field("estimate_time_offset", estimate_time_offset,
                "estimate the time offset between camera and IMU");
 }

@@ -20,6 +20,7 @@ struct GraphOptions {
 
   bool estimate_gravity = false;           ///< direction; only with a first pose fixed in 6 dof
   bool estimate_disparity_offset = false;  ///< needs motion with parallax
+  bool estimate_focal_error = false;       ///< needs turns and a gyro that measures them
   bool estimate_time_offset = false;       ///< camera to IMU; needs changing rates
 
   void describe(Config& config);

@@ -85,10 +85,12 @@ class Window {
   void add_visual(const RelativeMotion& motion) {
     RelativeMotion fixed = motion;
     fixed.J_disparity_offset.setZero();
+    fixed.J_focal_error.setZero();
     const Eigen::Matrix<double, 6, 6> W = weights_.visual * Eigen::Matrix<double, 6, 6>::Identity();
     problem_.AddResidualBlock(new RelativePoseFactor(fixed, W), nullptr, pose(-2), pose(-1),
-                              &no_offset_);
+                              &no_offset_, &no_focal_error_);
     problem_.SetParameterBlockConstant(&no_offset_);
+    problem_.SetParameterBlockConstant(&no_focal_error_);
   }
 
   void add_inertial(const ImuMotion& motion) {
@@ -137,6 +139,7 @@ class Window {
   std::deque<std::array<double, 7>> poses_;
   std::deque<std::array<double, 3>> velocities_;
   double no_offset_ = 0.0;
+  double no_focal_error_ = 0.0;
   ceres::Problem problem_;
 };
 

@@ -21,7 +21,7 @@ bool finite(const lie::SE3d& pose) {
 
 bool finite(const RelativeMotion& motion) {
   return finite(motion.T_body0_body1) && motion.J_disparity_offset.allFinite() &&
-         std::isfinite(motion.disparity_offset);
+         motion.J_focal_error.allFinite() && std::isfinite(motion.disparity_offset);
 }
 
 bool finite(const ImuMotion& motion) {
@@ -109,7 +109,8 @@ void PoseVelocityGraph::set_state(int state, const State& value) {
 
 void PoseVelocityGraph::set_globals(const Globals& globals) {
   expects(globals.gravity_direction.allFinite() && globals.gravity_direction.norm() > 1e-6 &&
-              std::isfinite(globals.disparity_offset) && std::isfinite(globals.time_offset_s),
+              std::isfinite(globals.disparity_offset) && std::isfinite(globals.focal_error) &&
+              std::isfinite(globals.time_offset_s),
           "graph: globals must be finite");
   data_.globals = globals;
   data_.globals.gravity_direction.normalize();
@@ -208,6 +209,11 @@ void PoseVelocityGraph::add_gravity_prior(const Eigen::Vector3d& direction, doub
 void PoseVelocityGraph::add_disparity_offset_prior(double value_px, double sigma_px) {
   expects(std::isfinite(value_px) && sigma_px > 0.0, "graph: a prior needs a positive sigma");
   data_.disparity_offset_priors.push_back({value_px, sigma_px});
+}
+
+void PoseVelocityGraph::add_focal_error_prior(double value, double sigma) {
+  expects(std::isfinite(value) && sigma > 0.0, "graph: a prior needs a positive sigma");
+  data_.focal_error_priors.push_back({value, sigma});
 }
 
 void PoseVelocityGraph::add_time_offset_prior(double value_s, double sigma_s) {

@@ -49,6 +49,7 @@ class PoseVelocityGraph {
   void add_bias_prior(int state, const ImuBias& bias, double sigma_gyro, double sigma_accel);
   void add_gravity_prior(const Eigen::Vector3d& direction, double sigma_rad);
   void add_disparity_offset_prior(double value_px, double sigma_px);
+  void add_focal_error_prior(double value, double sigma);
   void add_time_offset_prior(double value_s, double sigma_s);
 
   /// Never throws for numerical reasons; `reason` says what is wrong with an unsolvable graph.

@@ -8,14 +8,15 @@ RelativePoseFactor::RelativePoseFactor(const RelativeMotion& motion,
                                        const Matrix6& sqrt_information)
     : T_body0_body1_(motion.T_body0_body1),
       J_disparity_offset_(motion.J_disparity_offset),
+      J_focal_error_(motion.J_focal_error),
       disparity_offset_(motion.disparity_offset),
       sqrt_information_(sqrt_information) {}
 
 RelativePoseFactor::Vector6 RelativePoseFactor::residual(const SE3d& T_world_body0,
                                                          const SE3d& T_world_body1,
-                                                         double disparity_offset) const {
-  const Vector6 shift = J_disparity_offset_ * (disparity_offset - disparity_offset_);
-  const SE3d measured = T_body0_body1_ * SE3d::exp(shift);
+                                                         double disparity_offset,
+                                                         double focal_error) const {
+  const SE3d measured = T_body0_body1_ * SE3d::exp(shift(disparity_offset, focal_error));
   const SE3d error = measured.inverse() * (T_world_body0.inverse() * T_world_body1);
   return sqrt_information_ * error.log();
 }
@@ -23,9 +24,10 @@ RelativePoseFactor::Vector6 RelativePoseFactor::residual(const SE3d& T_world_bod
 RelativePoseFactor::Linearization RelativePoseFactor::linearize(const SE3d& T_world_body0,
                                                                 const SE3d& T_world_body1,
                                                                 double disparity_offset,
+                                                                double focal_error,
                                                                 bool want_measurement) const {
-  const Vector6 shift = J_disparity_offset_ * (disparity_offset - disparity_offset_);
-  const SE3d exp_shift = SE3d::exp(shift);
+  const Vector6 tau = shift(disparity_offset, focal_error);
+  const SE3d exp_shift = SE3d::exp(tau);
   const SE3d T_body0_body1 = T_world_body0.inverse() * T_world_body1;
   const SE3d error = (T_body0_body1_ * exp_shift).inverse() * T_body0_body1;
   const Vector6 e = error.log();
@@ -38,11 +40,13 @@ RelativePoseFactor::Linearization RelativePoseFactor::linearize(const SE3d& T_wo
   result.J_pose1 = W * SE3d::right_jacobian_inverse(e);
   result.J_pose0 = -result.J_pose1 * T_body0_body1.inverse().adjoint();
   result.J_disparity_offset.setZero();
+  result.J_focal_error.setZero();
   result.J_measurement.setZero();
   if (!want_measurement) return result;
   const Matrix6 W_J_left_inverse = W * SE3d::left_jacobian_inverse(e);
-  result.J_disparity_offset =
-      -W_J_left_inverse * (SE3d::right_jacobian(shift) * J_disparity_offset_);
+  const Matrix6 W_J_shift = -W_J_left_inverse * SE3d::right_jacobian(tau);
+  result.J_disparity_offset = W_J_shift * J_disparity_offset_;
+  result.J_focal_error = W_J_shift * J_focal_error_;
   result.J_measurement = -W_J_left_inverse * exp_shift.inverse().adjoint();
   return result;
 }
@@ -54,15 +58,17 @@ bool RelativePoseFactor::Evaluate(double const* const* parameters,
   const SE3d T_world_body1 = pose_from_block(parameters[1]);
   Eigen::Map<Vector6> r(residuals);
   if (jacobians == nullptr) {
-    r = residual(T_world_body0, T_world_body1, *parameters[2]);
+    r = residual(T_world_body0, T_world_body1, *parameters[2], *parameters[3]);
     return r.allFinite();
   }
+  const bool calibrating = jacobians[2] != nullptr || jacobians[3] != nullptr;
   const Linearization at =
-      linearize(T_world_body0, T_world_body1, *parameters[2], jacobians[2] != nullptr);
+      linearize(T_world_body0, T_world_body1, *parameters[2], *parameters[3], calibrating);
   r = at.residual;
   if (jacobians[0] != nullptr) pose_jacobian_to_block(at.J_pose0, parameters[0], jacobians[0]);
   if (jacobians[1] != nullptr) pose_jacobian_to_block(at.J_pose1, parameters[1], jacobians[1]);
   if (jacobians[2] != nullptr) Eigen::Map<Vector6>(jacobians[2], 6) = at.J_disparity_offset;
+  if (jacobians[3] != nullptr) Eigen::Map<Vector6>(jacobians[3], 6) = at.J_focal_error;
   return r.allFinite();
 }
 

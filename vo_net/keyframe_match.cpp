@@ -285,6 +285,7 @@ std::optional<RelativeMotion> KeyframeMatcher::match(const Keyframe& keyframe,
       std::pow(options_.translation_floor * depth_m, 2);
   motion.covariance.diagonal().tail<3>().array() += std::pow(options_.rotation_floor, 2);
   motion.J_disparity_offset = pose->J_disparity_offset;
+  motion.J_focal_error = pose->J_focal_error;
   motion.disparity_offset = disparity_offset;
   motion.inliers = pose->inliers;
   motion.valid = true;

@@ -88,7 +88,7 @@ std::optional<Estimate> Solver::moved(const ReducedSystem& system, double* decre
   Estimate next = estimate_;
   next.T_left0_left1 = estimate_.T_left0_left1 * lie::SE3d::exp(*step);
   ReducedVector reduced_step;
-  reduced_step << *step, 0.0;
+  reduced_step << *step, 0.0, 0.0;
   system.back_substitute(reduced_step, next.disparities);
   return next;
 }
@@ -167,7 +167,7 @@ void Solver::descend() {
   }
 }
 
-void fill_offset(const ReducedSystem& exact, double factor, PoseLayerResult& result) {
+void fill_calibration(const ReducedSystem& exact, double factor, PoseLayerResult& result) {
   const Matrix6 H = exact.H.topLeftCorner<6, 6>();
   const Vector6 coupling = exact.H.block<6, 1>(0, 6);
   const std::optional<Vector6> J = solve_positive(H, -coupling);
@@ -175,6 +175,8 @@ void fill_offset(const ReducedSystem& exact, double factor, PoseLayerResult& res
   result.J_disparity_offset = *J;
   result.offset_gradient = (exact.g[6] + J->dot(exact.g.head<6>())) / factor;
   result.offset_information = std::max(0.0, exact.H(6, 6) + J->dot(coupling)) / factor;
+  const std::optional<Vector6> J_focal = solve_positive(H, -exact.H.block<6, 1>(0, 7));
+  if (J_focal) result.J_focal_error = *J_focal;
 }
 
 void fill_inliers(const Solver& solver,
@@ -204,6 +206,7 @@ void to_body(const StereoCamera& camera, const Estimate& estimate, PoseLayerResu
   const Matrix6 covariance = A * result.covariance * A.transpose();
   result.covariance = 0.5 * (covariance + covariance.transpose());
   result.J_disparity_offset = A * result.J_disparity_offset;
+  result.J_focal_error = A * result.J_focal_error;
 }
 
 }  // namespace
@@ -243,7 +246,7 @@ PoseLayerResult solve_pose(const Correspondences& correspondences,
   result.covariance = spread->covariance;
   result.disparities = solver.estimate().disparities;
   detail::build_system(solver.problem(), solver.estimate(), Model::kExact, 0.0, system);
-  fill_offset(system, spread->factor, result);
+  fill_calibration(system, spread->factor, result);
   to_body(camera, solver.estimate(), result);
   result.valid =
       certain_enough(result.covariance, options) && result.T_body0_body1.translation().allFinite();

@@ -49,6 +49,9 @@ struct PoseLayerResult {
   Eigen::Matrix<double, 6, 1> J_disparity_offset = Eigen::Matrix<double, 6, 1>::Zero();
   double disparity_offset = 0.0;  ///< [px] the value this was computed with
 
+  /// d(tangent of T_body0_body1)/d(relative error of the focal length, fx baseline held) [m, rad].
+  Eigen::Matrix<double, 6, 1> J_focal_error = Eigen::Matrix<double, 6, 1>::Zero();
+
   /// Negative log-likelihood of a further offset x [px], pose and points free:
   /// offset_gradient x + offset_information x^2 / 2, in the scale of `covariance`.
   double offset_gradient = 0.0;

@@ -94,7 +94,7 @@ std::optional<PoseLayerGradient> pose_layer_gradient(const Correspondences& corr
     const detail::PointModel model =
         detail::model_point(problem, views, correspondences[k], point, detail::Model::kGaussNewton);
     PointVector q;
-    q << q_pose, -eliminated.coupling.head<6>().dot(q_pose) / eliminated.curvature, 0.0;
+    q << q_pose, -eliminated.coupling.head<6>().dot(q_pose) / eliminated.curvature, 0.0, 0.0;
     gradient.correspondences[k] = pull_back_point(views, correspondences[k], point, model, q);
   }
   return gradient;

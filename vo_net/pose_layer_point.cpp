@@ -6,42 +6,48 @@ namespace {
 /// Nearer to the image plane than this, relative to the depth in left0, a point cannot be seen.
 constexpr double kMinDepthRatio = 1e-3;
 
-using ProjectionJacobian = Eigen::Matrix<double, 3, 4>;  // of [u v disparity1] to [Y disparity]
+/// Of [u v disparity1] to [Y disparity focal].
+using ProjectionJacobian = Eigen::Matrix<double, 3, 5>;
+using Matrix5 = Eigen::Matrix<double, 5, 5>;
 
 ProjectionJacobian projection_jacobian(const Views& views, const PointState& p) {
   const double iz = 1.0 / p.Y.z();
   const double x = p.Y.x() * iz;
   const double y = p.Y.y() * iz;
   ProjectionJacobian P;
-  P << views.camera.fx * iz, 0.0, -views.camera.fx * x * iz, 0.0,  //
-      0.0, views.camera.fy * iz, -views.camera.fy * y * iz, 0.0,   //
-      0.0, 0.0, -p.disparity * iz * iz, iz;
+  P << views.camera.fx * iz, 0.0, -views.camera.fx * x * iz, 0.0, views.camera.fx * x,  //
+      0.0, views.camera.fy * iz, -views.camera.fy * y * iz, 0.0, views.camera.fy * y,   //
+      0.0, 0.0, -p.disparity * iz * iz, iz, 0.0;
   return P;
 }
 
-/// Second derivative of sum_r f_r [u v disparity1]_r with respect to [Y disparity].
-Eigen::Matrix4d projection_curvature(const Views& views,
-                                     const PointState& p,
-                                     const Eigen::Vector3d& f) {
+/// Second derivative of sum_r f_r [u v disparity1]_r with respect to [Y disparity focal].
+Matrix5 projection_curvature(const Views& views, const PointState& p, const Eigen::Vector3d& f) {
   const double iz = 1.0 / p.Y.z();
   const double iz2 = iz * iz;
   const double a = f[0] * views.camera.fx;
   const double b = f[1] * views.camera.fy;
-  Eigen::Matrix4d C = Eigen::Matrix4d::Zero();
+  Matrix5 C = Matrix5::Zero();
   C(0, 2) = C(2, 0) = -a * iz2;
   C(1, 2) = C(2, 1) = -b * iz2;
   C(3, 2) = C(2, 3) = -f[2] * iz2;
   C(2, 2) = 2.0 * iz2 * iz * (a * p.Y.x() + b * p.Y.y() + f[2] * p.disparity);
+  C(0, 4) = C(4, 0) = a * iz;
+  C(1, 4) = C(4, 1) = b * iz;
+  C(2, 4) = C(4, 2) = -iz2 * (a * p.Y.x() + b * p.Y.y());
   return C;
 }
 
-/// d[Y disparity]/d(unknowns); the pose moves as T_left0_left1 Exp(tau), so p_left1 as Exp(-tau).
-Eigen::Matrix<double, 4, kUnknowns> scaled_point_jacobian(const Views& views, const PointState& p) {
-  Eigen::Matrix<double, 4, kUnknowns> J = Eigen::Matrix<double, 4, kUnknowns>::Zero();
+/// d[Y disparity focal]/d(unknowns); the pose moves as T_left0_left1 Exp(tau), so p_left1 as
+/// Exp(-tau).
+Eigen::Matrix<double, 5, kUnknowns> scaled_point_jacobian(const Views& views, const PointState& p) {
+  Eigen::Matrix<double, 5, kUnknowns> J = Eigen::Matrix<double, 5, kUnknowns>::Zero();
   J.topLeftCorner<3, 3>().diagonal().setConstant(-p.disparity * views.inverse_focal_baseline);
   J.block<3, 3>(0, 3) = lie::skew(p.Y);
   J.block<3, 1>(0, kDisparity) = views.Y_disparity;
   J(3, kDisparity) = 1.0;
+  J.block<3, 1>(0, kFocal) = p.Y_focal;
+  J(4, kFocal) = 1.0;
   return J;
 }
 
@@ -70,6 +76,7 @@ PointState evaluate_point(const Views& views, const Correspondence& c, double di
   PointState p;
   p.disparity = disparity;
   p.Y = views.R_left1_left0 * ray + disparity * views.Y_disparity;
+  p.Y_focal = -(views.R_left1_left0.leftCols<2>() * ray.head<2>());
   p.in_front = p.Y.z() > kMinDepthRatio;
   if (!p.in_front) return p;
   const double iz = 1.0 / p.Y.z();
@@ -98,14 +105,15 @@ Eigen::Matrix<double, 4, 2> left0_jacobian(const Views& views, const PointState&
 Eigen::Matrix<double, 4, 2> left0_mixed_derivative(const Views& views,
                                                    const PointState& point,
                                                    const PointVector& q) {
-  const Eigen::Vector4d along_q = scaled_point_jacobian(views, point) * q;
+  const Eigen::Matrix<double, 5, 1> along_q = scaled_point_jacobian(views, point) * q;
   const Eigen::Matrix<double, 3, 2> Y_left0 = scaled_point_left0_jacobian(views);
-  // d(Y x theta)/d(left0): the only term of dY along q that depends on Y itself.
-  const Eigen::Matrix<double, 3, 2> turned = -lie::skew(q.segment<3>(3)) * Y_left0;
+  // d(Y x theta + Y_focal x)/d(left0): the terms of dY along q that depend on the ray.
+  const Eigen::Matrix<double, 3, 2> turned =
+      -lie::skew(q.segment<3>(3)) * Y_left0 - q[kFocal] * Y_left0;
 
   Eigen::Matrix<double, 3, 2> rows = projection_jacobian(views, point).leftCols<3>() * turned;
   for (int r = 0; r < 3; ++r) {
-    const Eigen::Matrix4d C = projection_curvature(views, point, Eigen::Vector3d::Unit(r));
+    const Matrix5 C = projection_curvature(views, point, Eigen::Vector3d::Unit(r));
     rows.row(r) += along_q.transpose() * C.leftCols<3>() * Y_left0;
   }
   return spread_rows<2>(rows);
@@ -113,12 +121,12 @@ Eigen::Matrix<double, 4, 2> left0_mixed_derivative(const Views& views,
 
 PointMatrix curvature(const Views& views, const PointState& point, const Eigen::Vector4d& f) {
   const Eigen::Vector3d f_projection(f[0], f[1], f[3]);
-  const Eigen::Matrix<double, 4, kUnknowns> J = scaled_point_jacobian(views, point);
-  const Eigen::Matrix<double, 4, kUnknowns> CJ =
+  const Eigen::Matrix<double, 5, kUnknowns> J = scaled_point_jacobian(views, point);
+  const Eigen::Matrix<double, 5, kUnknowns> CJ =
       projection_curvature(views, point, f_projection).lazyProduct(J);
   PointMatrix H = J.transpose().lazyProduct(CJ);
 
-  // Second derivative of Y itself: Exp(-tau) to second order, and its mixed terms with d.
+  // Second derivative of Y itself: Exp(-tau) to second order, its mixed terms with d and focal.
   const Eigen::Vector3d g =
       projection_jacobian(views, point).leftCols<3>().transpose() * f_projection;
   const Eigen::Vector3d& Y = point.Y;
@@ -132,6 +140,10 @@ PointMatrix curvature(const Views& views, const PointState& point, const Eigen::
   pose_disparity << -views.inverse_focal_baseline * g, -views.Y_disparity.cross(g);
   H.block<6, 1>(0, kDisparity) += pose_disparity;
   H.block<1, 6>(kDisparity, 0) += pose_disparity.transpose();
+  const Eigen::Vector3d turn_focal = -point.Y_focal.cross(g);
+  H.block<3, 1>(3, kFocal) += turn_focal;
+  H.block<1, 3>(kFocal, 3) += turn_focal.transpose();
+  H(kFocal, kFocal) -= 2.0 * g.dot(point.Y_focal);
   return H;
 }
 

@@ -10,11 +10,12 @@
 namespace imslam::vo::detail {
 
 /// Unknowns that one point depends on, in this order: pose tangent (6), its true disparity in
-/// left0, the constant disparity offset.
+/// left0, the constant disparity offset, the relative error of the focal length.
 inline constexpr int kPose = 0;
 inline constexpr int kDisparity = 6;
 inline constexpr int kOffset = 7;
-inline constexpr int kUnknowns = 8;
+inline constexpr int kFocal = 8;
+inline constexpr int kUnknowns = 9;
 using PointVector = Eigen::Matrix<double, kUnknowns, 1>;
 using PointMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using PointJacobian = Eigen::Matrix<double, 4, kUnknowns>;
@@ -42,11 +43,16 @@ struct Views {
 ///   Y = R_left1_left0 (ray - inverse_depth t_left0),   inverse_depth = disparity / (fx baseline)
 ///   e = [fx Yx/Yz + cx - u1,  fy Yy/Yz + cy - v1,  d + offset - disparity0,
 ///        d/Yz + offset - disparity1]
+///
+/// A focal length wrong by the factor 1 + x scales the ray and the projection, but not the law of
+/// depth: the calibration of a stereo pair knows fx baseline, not its factors. All is evaluated at
+/// x = 0.
 struct PointState {
   Eigen::Vector3d Y;
-  double disparity = 0.0;  ///< d [px], without the offset
-  Eigen::Vector4d e;       ///< [px]
-  bool in_front = false;   ///< false: Y and e are not to be used
+  Eigen::Vector3d Y_focal;  ///< dY/d(focal error)
+  double disparity = 0.0;   ///< d [px], without the offset
+  Eigen::Vector4d e;        ///< [px]
+  bool in_front = false;    ///< false: Y and e are not to be used
 };
 
 PointState evaluate_point(const Views& views, const Correspondence& c, double disparity);

@@ -19,18 +19,18 @@ bool is_usable(const Correspondence& c) {
          F.determinant() >= 0.0;
 }
 
-Eigen::Matrix<double, 7, 1> without_disparity(const PointVector& v) {
-  Eigen::Matrix<double, 7, 1> r;
-  r << v.head<6>(), v[kOffset];
+ReducedVector without_disparity(const PointVector& v) {
+  ReducedVector r;
+  r << v.head<6>(), v.tail<2>();
   return r;
 }
 
 void add_reduced(const PointModel& m, double curvature, ReducedSystem& system) {
   const ReducedVector coupling = without_disparity(m.H.col(kDisparity));
   system.H.topLeftCorner<6, 6>() += m.H.topLeftCorner<6, 6>();
-  system.H.block<6, 1>(0, 6) += m.H.block<6, 1>(0, kOffset);
-  system.H.block<1, 6>(6, 0) += m.H.block<1, 6>(kOffset, 0);
-  system.H(6, 6) += m.H(kOffset, kOffset);
+  system.H.topRightCorner<6, 2>() += m.H.topRightCorner<6, 2>();
+  system.H.bottomLeftCorner<2, 6>() += m.H.bottomLeftCorner<2, 6>();
+  system.H.bottomRightCorner<2, 2>() += m.H.bottomRightCorner<2, 2>();
   system.H -= coupling * (coupling / curvature).transpose();
   system.g += without_disparity(m.g) - coupling * (m.g[kDisparity] / curvature);
 }

@@ -15,9 +15,9 @@ struct Estimate {
   std::vector<double> disparities;  ///< [px]
 };
 
-/// Pose tangent (6) and disparity offset, the unknowns that remain.
-using ReducedVector = Eigen::Matrix<double, 7, 1>;
-using ReducedMatrix = Eigen::Matrix<double, 7, 7>;
+/// Pose tangent (6), disparity offset and focal error, the unknowns that remain.
+using ReducedVector = Eigen::Matrix<double, 8, 1>;
+using ReducedMatrix = Eigen::Matrix<double, 8, 8>;
 
 /// What back-substitution needs of one point; zeros for a point that takes no part.
 struct EliminatedPoint {
@@ -60,7 +60,7 @@ Problem make_problem(const Correspondences& correspondences,
                      double noise_scale,
                      double offset);
 
-/// Gradient and 8x8 curvature of one point's cost 1/2 w rho(e^T Omega e).
+/// Gradient and 9x9 curvature of one point's cost 1/2 w rho(e^T Omega e).
 struct PointModel {
   PointMatrix H;
   PointVector g;

@@ -84,6 +84,7 @@ RelativeMotion VisualOdometry::to_motion(const PoseLayerResult& pose,
   motion.covariance =
       pose.covariance * (1.0 + options_.shared_error * static_cast<double>(pose.inliers));
   motion.J_disparity_offset = pose.J_disparity_offset;
+  motion.J_focal_error = pose.J_focal_error;
   return motion;
 }
 

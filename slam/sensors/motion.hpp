@@ -22,6 +22,10 @@ struct RelativeMotion {
   Eigen::Matrix<double, 6, 1> J_disparity_offset = Eigen::Matrix<double, 6, 1>::Zero();
   double disparity_offset = 0.0;  ///< [px], the value it was computed with
 
+  /// Likewise if the true focal length was 1 + x times the one it was computed with, fx baseline
+  /// (the law of depth) being right: T Exp(J x) [m, rad].
+  Eigen::Matrix<double, 6, 1> J_focal_error = Eigen::Matrix<double, 6, 1>::Zero();
+
   int inliers = 0;
   bool valid = false;  ///< false: nothing was measured, the rest is meaningless
 };

@@ -47,6 +47,7 @@ class BatchEstimator {
     }
     pgo::GraphOptions graph_options = options_.pgo;
     graph_options.estimate_time_offset = false;
+    graph_options.estimate_focal_error = false;  // vision alone cannot tell it from the turn
     pgo::PoseVelocityGraph graph = vision_graph(start, graph_options);
     graph.anchor_pose(0, start.front().nav.T_world_body);
     for (std::size_t i = 1; i < start.size(); ++i) {
@@ -106,6 +107,9 @@ class BatchEstimator {
       const bool last = round == options_.system.relinearisations;
       if (last || settled(states, globals, graph)) {
         collect(graph);
+        if (graph.options().estimate_focal_error) {
+          out_.focal_error = Estimate{graph.globals().focal_error, std::nullopt};
+        }
         out_.time_offset_s = Estimate{graph.globals().time_offset_s, start.time_offset_sigma_s};
         return;
       }
@@ -153,6 +157,7 @@ class BatchEstimator {
     }
     graph.anchor_position_and_heading(0, start.front().nav.T_world_body);
     graph.add_bias_prior(0, ImuBias(), system.gyro_bias_prior, system.accel_bias_prior);
+    graph.add_focal_error_prior(0.0, system.focal_error_prior);
     graph.add_time_offset_prior(0.0, system.time_offset_prior_s);
     if (system.zero_velocity) hold_still_stretches(motions, graph);
     return graph;

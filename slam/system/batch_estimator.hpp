@@ -20,6 +20,7 @@ struct BatchEstimate {
   SolveReport report;
   bool inertial = false;
   Estimate disparity_offset_px;
+  std::optional<Estimate> focal_error;  ///< [1]
   std::optional<Estimate> time_offset_s;
   std::vector<float> position_sigma_m;  ///< per frame; empty if not asked for
   std::size_t imu_gaps = 0;             ///< intervals with a gap or saturation

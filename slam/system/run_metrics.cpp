@@ -33,6 +33,10 @@ Json vector3(const Eigen::Vector3d& v) { return {number(v.x()), number(v.y()), n
 Json calibration_block(const SlamResult& result) {
   Json block = {{"disparity_offset_px", number(result.disparity_offset_px.value)},
                 {"disparity_offset_sigma_px", number(result.disparity_offset_px.sigma)}};
+  if (result.focal_error) {
+    block["focal_error"] = number(result.focal_error->value);
+    block["focal_error_sigma"] = number(result.focal_error->sigma);
+  }
   if (result.time_offset_s) {
     block["time_offset_s"] = number(result.time_offset_s->value);
     block["time_offset_sigma_s"] = number(result.time_offset_s->sigma);

@@ -25,6 +25,8 @@ void SystemOptions::describe(Config& config) {
   config.field("online", online, "a sliding window also estimates while frames come in");
   config.field("disparity_offset_prior_px", disparity_offset_prior_px,
                "[px] standard deviation of the disparity offset before looking");
+  config.field("focal_error_prior", focal_error_prior,
+               "[1] standard deviation of the focal length's relative error before looking");
   config.field("time_offset_prior_s", time_offset_prior_s,
                "[s] standard deviation of the time offset before looking");
   config.field("gyro_bias_prior", gyro_bias_prior, "[rad/s] standard deviation before looking");
@@ -49,6 +51,7 @@ void SystemOptions::validate() const {
     require(value > 0.0, key, value, "positive");
   };
   positive("disparity_offset_prior_px", disparity_offset_prior_px);
+  positive("focal_error_prior", focal_error_prior);
   positive("time_offset_prior_s", time_offset_prior_s);
   positive("gyro_bias_prior", gyro_bias_prior);
   positive("accel_bias_prior", accel_bias_prior);

@@ -26,6 +26,7 @@ struct SystemOptions {
   bool online = true;                   ///< a sliding window also estimates while frames come in
 
   double disparity_offset_prior_px = 2.0;  ///< standard deviation before looking
+  double focal_error_prior = 0.02;         ///< [1] likewise
   double time_offset_prior_s = 0.02;       ///< likewise
   double gyro_bias_prior = 0.1;            ///< [rad/s] likewise
   double accel_bias_prior = 0.2;           ///< [m/s^2] likewise
@@ -47,9 +48,10 @@ struct SystemOptions {
 
 /// All options of a run: one section per room.
 struct SlamOptions {
-  /// The graph of a run estimates both offsets unless told otherwise (pgo.estimate_...).
+  /// The graph of a run estimates the calibration unless told otherwise (pgo.estimate_...).
   SlamOptions() {
     pgo.estimate_disparity_offset = true;
+    pgo.estimate_focal_error = true;
     pgo.estimate_time_offset = true;
   }
 

@@ -53,6 +53,7 @@ struct SlamResult {
   bool tracking_lost = false;  ///< most of the frames were not measured
 
   Estimate disparity_offset_px;
+  std::optional<Estimate> focal_error;  ///< [1], empty without a gyro to compare with
   std::optional<Estimate> time_offset_s;
   double gravity_m_s2 = 0.0;
 

@@ -182,6 +182,7 @@ SlamResult SlamSystem::State::finish() {
   result_.solve = batch.report;
   result_.inertial = batch.inertial;
   result_.disparity_offset_px = batch.disparity_offset_px;
+  result_.focal_error = batch.focal_error;
   result_.time_offset_s = batch.time_offset_s;
   result_.gravity_m_s2 = options_.pgo.gravity_magnitude;
   result_.warnings = std::move(batch.warnings);

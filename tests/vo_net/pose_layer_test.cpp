@@ -275,6 +275,27 @@ TEST(PoseLayer, DerivativeByTheOffsetMatchesCentralDifferences) {
   EXPECT_LT((numeric - middle.J_disparity_offset).norm(), 1e-6 * numeric.norm());
 }
 
+TEST(PoseLayer, DerivativeByTheFocalLengthMatchesCentralDifferences) {
+  Random random(15);
+  const StereoCamera camera = test_camera();
+  PoseLayerOptions options;
+  options.adapt_noise_scale = false;
+  options.tolerance = 1e-10;
+  const Correspondences c =
+      synthetic_correspondences(camera, test_motion(), 60, {0.1, 0.1, 0.2}, random);
+  const PoseLayerResult middle = solve_pose(c, camera, options, {}, 0.1);
+  const double h = 1e-5;
+  const auto solved_with = [&](double focal_error) {
+    StereoCamera other = camera;  // the law of depth, fx baseline, stays
+    other.fx *= 1.0 + focal_error;
+    other.fy *= 1.0 + focal_error;
+    other.baseline_m /= 1.0 + focal_error;
+    return solve_pose(c, other, options, {}, 0.1).T_body0_body1;
+  };
+  const Vector6 numeric = (solved_with(-h).inverse() * solved_with(h)).log() / (2.0 * h);
+  EXPECT_LT((numeric - middle.J_focal_error).norm(), 1e-6 * numeric.norm());
+}
+
 TEST(PoseLayer, OffsetGradientLeadsToTheTrueOffset) {
   double offset = 0.0;
   double sigma = 0.0;

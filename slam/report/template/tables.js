@@ -71,6 +71,7 @@ function valueText(value) {
 const CALIBRATION = [
   // key, label, factor, unit, key of the standard deviation
   ["disparity_offset_px", "Disparity offset", 1, "px", "disparity_offset_sigma_px"],
+  ["focal_error", "Focal length, relative error", 100, "%", "focal_error_sigma"],
   ["time_offset_s", "Time offset camera to IMU", 1000, "ms", "time_offset_sigma_s"],
   ["gravity_m_s2", "Gravity", 1, "m/s²", "gravity_sigma_m_s2"],
   ["gyro_bias", "Gyroscope bias at the end", 1000, "mrad/s", null],
