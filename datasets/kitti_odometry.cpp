@@ -138,6 +138,8 @@ ImuNoise kitti_imu_noise() {
   noise.rate_hz = 100.0;
   noise.gyro_range = 1.7;    // 100 deg/s
   noise.accel_range = 98.0;  // 10 g
+  noise.gyro_bias_sigma = 5.0e-4;
+  noise.accel_bias_sigma = 0.05;
   return noise;
 }
 

@@ -20,7 +20,8 @@ struct ImuBias {
   Eigen::Vector3d accel = Eigen::Vector3d::Zero();  ///< [m/s^2]
 };
 
-/// Datasheet noise in continuous time, as in EuRoC and Kalibr files, and the sensor's range.
+/// Datasheet noise in continuous time, as in EuRoC and Kalibr files, the sensor's range, and how
+/// large its biases may be before anything was seen (no such file states them).
 struct ImuNoise {
   double gyro_noise_density = 1.7e-4;   ///< [rad/s/sqrt(Hz)]
   double gyro_random_walk = 2.0e-5;     ///< [rad/s^2/sqrt(Hz)]
@@ -29,6 +30,8 @@ struct ImuNoise {
   double rate_hz = 200.0;               ///< [Hz]
   double gyro_range = 34.9;             ///< [rad/s], readings at or beyond it are saturated
   double accel_range = 157.0;           ///< [m/s^2]
+  double gyro_bias_sigma = 0.1;         ///< [rad/s]
+  double accel_bias_sigma = 0.2;        ///< [m/s^2]
 };
 
 }  // namespace imslam

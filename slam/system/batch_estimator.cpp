@@ -156,7 +156,11 @@ class BatchEstimator {
       }
     }
     graph.anchor_position_and_heading(0, start.front().nav.T_world_body);
-    graph.add_bias_prior(0, ImuBias(), system.gyro_bias_prior, system.accel_bias_prior);
+    const ImuNoise& sensor = measurements_.imu_noise;
+    graph.add_bias_prior(
+        0, ImuBias(),
+        system.gyro_bias_prior > 0.0 ? system.gyro_bias_prior : sensor.gyro_bias_sigma,
+        system.accel_bias_prior > 0.0 ? system.accel_bias_prior : sensor.accel_bias_sigma);
     graph.add_focal_error_prior(0.0, system.focal_error_prior);
     graph.add_time_offset_prior(0.0, system.time_offset_prior_s);
     if (system.zero_velocity) hold_still_stretches(motions, graph);

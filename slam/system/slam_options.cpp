@@ -29,8 +29,10 @@ void SystemOptions::describe(Config& config) {
                "[1] standard deviation of the focal length's relative error before looking");
   config.field("time_offset_prior_s", time_offset_prior_s,
                "[s] standard deviation of the time offset before looking");
-  config.field("gyro_bias_prior", gyro_bias_prior, "[rad/s] standard deviation before looking");
-  config.field("accel_bias_prior", accel_bias_prior, "[m/s^2] standard deviation before looking");
+  config.field("gyro_bias_prior", gyro_bias_prior,
+               "[rad/s] standard deviation before looking, 0: by the kind of sensor");
+  config.field("accel_bias_prior", accel_bias_prior,
+               "[m/s^2] standard deviation before looking, 0: by the kind of sensor");
   config.field("gyro_noise_factor", gyro_noise_factor, "real over stated white noise of the gyro");
   config.field("accel_noise_factor", accel_noise_factor,
                "real over stated white noise of the accelerometer");
@@ -53,8 +55,8 @@ void SystemOptions::validate() const {
   positive("disparity_offset_prior_px", disparity_offset_prior_px);
   positive("focal_error_prior", focal_error_prior);
   positive("time_offset_prior_s", time_offset_prior_s);
-  positive("gyro_bias_prior", gyro_bias_prior);
-  positive("accel_bias_prior", accel_bias_prior);
+  require(gyro_bias_prior >= 0.0, "gyro_bias_prior", gyro_bias_prior, "0 or more");
+  require(accel_bias_prior >= 0.0, "accel_bias_prior", accel_bias_prior, "0 or more");
   positive("gyro_noise_factor", gyro_noise_factor);
   positive("accel_noise_factor", accel_noise_factor);
   positive("zero_velocity_sigma", zero_velocity_sigma);

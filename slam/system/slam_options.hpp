@@ -28,8 +28,8 @@ struct SystemOptions {
   double disparity_offset_prior_px = 2.0;  ///< standard deviation before looking
   double focal_error_prior = 0.02;         ///< [1] likewise
   double time_offset_prior_s = 0.02;       ///< likewise
-  double gyro_bias_prior = 0.1;            ///< [rad/s] likewise
-  double accel_bias_prior = 0.2;           ///< [m/s^2] likewise
+  double gyro_bias_prior = 0.0;            ///< [rad/s] likewise; 0: what the sensor's kind allows
+  double accel_bias_prior = 0.0;           ///< [m/s^2] likewise
   double gyro_noise_factor = 2.0;          ///< [1] on the datasheet's density: see README, "noise"
   double accel_noise_factor = 8.0;  ///< [1] likewise; vibration and scale errors count as noise
   int relinearisations = 4;  ///< the IMU is integrated anew at the biases found, at most so often

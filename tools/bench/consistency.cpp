@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "imu_net/preintegration.hpp"
 #include "pgo/pose_velocity_graph.hpp"
@@ -179,6 +180,22 @@ double share_inside(const std::vector<double>& nees, const Band& band) {
   return nees.empty() ? 0.0 : static_cast<double>(inside) / static_cast<double>(nees.size());
 }
 
+double mean_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+RunAverage average_over_runs(const std::vector<Run>& runs, std::vector<double> Run::*nees) {
+  std::vector<double> averages;
+  for (const Run& run : runs) averages.push_back(mean_of(run.*nees));
+  RunAverage result;
+  result.mean = mean_of(averages);
+  double squares = 0.0;
+  for (double average : averages) squares += std::pow(average - result.mean, 2);
+  const double count = static_cast<double>(averages.size());
+  result.standard_error = std::sqrt(squares / std::max(1.0, count - 1.0) / count);
+  return result;
+}
+
 }  // namespace
 
 Band average_nees_band(int dof, int runs) {
@@ -211,6 +228,8 @@ ConsistencyResult study_consistency(const ConsistencyOptions& options) {
       result.velocity_nees[i] += run.velocity_nees[i] / options.runs;
     }
   }
+  result.pose = average_over_runs(runs, &Run::pose_nees);
+  result.velocity = average_over_runs(runs, &Run::velocity_nees);
   result.pose_inside = share_inside(result.pose_nees, average_nees_band(6, options.runs));
   result.velocity_inside = share_inside(result.velocity_nees, average_nees_band(3, options.runs));
   return result;

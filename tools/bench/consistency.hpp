@@ -19,11 +19,22 @@ struct ConsistencyOptions {
   std::uint64_t seed = 1;
 };
 
+/// The average of e^T P^-1 e over all frames of a run, over the runs. Frames of one run share their
+/// errors, runs do not: (mean - dof) / standard_error is a fair test, whatever the frames share.
+struct RunAverage {
+  double mean = 0.0;
+  double standard_error = 0.0;
+
+  double deviation(int dof) const { return (mean - dof) / standard_error; }
+};
+
 /// Average of e^T P^-1 e over the runs, per frame (the first frame is the anchor and left out).
 struct ConsistencyResult {
   std::vector<double> pose_nees;      ///< 6 dof: expected 6
   std::vector<double> velocity_nees;  ///< 3 dof: expected 3
-  double pose_inside = 0.0;           ///< share of frames inside the 95 % band of the average
+  RunAverage pose;
+  RunAverage velocity;
+  double pose_inside = 0.0;  ///< share of frames inside the 95 % band of the average
   double velocity_inside = 0.0;
   double largest_position_error_m = 0.0;
 };
