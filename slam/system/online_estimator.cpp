@@ -9,7 +9,8 @@
 namespace imslam::system {
 namespace {
 
-constexpr std::size_t kFirstTry = 20;  // [frames]
+/// Fewer leave the biases so open that the newest pose swings while they settle.
+constexpr std::size_t kFirstTry = 40;  // [frames]
 constexpr std::size_t kRetry = 20;     // [frames]
 /// A start over more frames than this would stall the stream; a later stretch must do.
 constexpr std::size_t kLongestStart = 200;  // [frames]
