@@ -32,7 +32,7 @@ TEST(Consistency, ErrorsOfPoseAndVelocityAreAsLargeAsTheCovariancesSay) {
 TEST(Consistency, MoreNoiseThanTheGraphWasToldIsSeen) {
   ConsistencyOptions options;
   options.frames = 60;
-  options.noise = 1.2;
+  options.noise = 1.4;
   const ConsistencyResult result = study_consistency(options);
   EXPECT_GT(result.pose.deviation(6), kStandardErrors);
   EXPECT_GT(result.velocity.deviation(3), kStandardErrors);

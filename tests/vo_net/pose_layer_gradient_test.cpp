@@ -140,20 +140,24 @@ TEST(PoseLayerPoint, JacobianAndCurvatureMatchCentralDifferences) {
   c.disparity1 = 21.0;
   const Eigen::Vector4d f(0.7, -1.3, 0.4, 2.1);
   const auto residual = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
-    const detail::Views views(camera, T * lie::SE3d::exp(x.head<6>()), 0.3 + x[7]);
+    StereoCamera other = camera;  // the law of depth, fx baseline, stays
+    other.fx *= 1.0 + x[8];
+    other.fy *= 1.0 + x[8];
+    other.baseline_m /= 1.0 + x[8];
+    const detail::Views views(other, T * lie::SE3d::exp(x.head<6>()), 0.3 + x[7]);
     return detail::evaluate_point(views, c, 19.0 + x[6]).e;
   };
   const detail::Views views(camera, T, 0.3);
   const detail::PointState point = detail::evaluate_point(views, c, 19.0);
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(8);
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(detail::kUnknowns);
   testing::expect_near(detail::point_jacobian(views, point),
                        testing::numeric_jacobian(residual, zero, 1e-5), 1e-7);
-  Eigen::MatrixXd second(8, 8);
+  Eigen::MatrixXd second(detail::kUnknowns, detail::kUnknowns);
   const double h = 1e-3;
-  for (int i = 0; i < 8; ++i) {
-    for (int j = 0; j < 8; ++j) {
-      const Eigen::VectorXd a = h * Eigen::VectorXd::Unit(8, i);
-      const Eigen::VectorXd b = h * Eigen::VectorXd::Unit(8, j);
+  for (int i = 0; i < detail::kUnknowns; ++i) {
+    for (int j = 0; j < detail::kUnknowns; ++j) {
+      const Eigen::VectorXd a = h * Eigen::VectorXd::Unit(detail::kUnknowns, i);
+      const Eigen::VectorXd b = h * Eigen::VectorXd::Unit(detail::kUnknowns, j);
       second(i, j) = f.dot(residual(a + b) - residual(a - b) - residual(b - a) + residual(-a - b)) /
                      (4.0 * h * h);
     }
