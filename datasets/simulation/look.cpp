@@ -89,12 +89,10 @@ struct Footprint {
 };
 
 [[gnu::always_inline]] inline Floats bilinear(const std::uint8_t* texels,
-                                              const Gathered& g,
                                               const Ints& start,
                                               const Ints& size,
                                               const Floats& u,
                                               const Floats& v) {
-  (void)g;
   const Floats scale = to_floats(size << kWeightBits);
   const Ints x = floor_to_ints(u * scale) - kOne / 2;  // texel centres lie at half integers
   const Ints y = floor_to_ints(v * scale) - kOne / 2;
@@ -142,9 +140,9 @@ struct Footprint {
     const Floats offset = static_cast<float>(i) - 0.5F * to_floats(f.taps - 1);
     const Floats u = f.u + offset * f.du;
     const Floats v = f.v + offset * f.dv;
-    Floats value = bilinear(pool.texels(), g, fine_start, g.size >> fine, u, v);
+    Floats value = bilinear(pool.texels(), fine_start, g.size >> fine, u, v);
     if (blend) {
-      const Floats other = bilinear(pool.texels(), g, coarse_start, g.size >> coarse, u, v);
+      const Floats other = bilinear(pool.texels(), coarse_start, g.size >> coarse, u, v);
       value += share * (other - value);
     }
     sum += f.taps > i ? value : Floats{};
