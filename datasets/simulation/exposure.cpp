@@ -16,21 +16,25 @@ double mean_radiance(const World& world, const RayTable& rays, const lie::SE3d& 
   const Eigen::Vector3f origin = T_world_camera.translation().cast<float>();
   double sum = 0.0;
   int count = 0;
-  for (int row = kStride / 2; row < rays.height(); row += kStride) {
-    for (int column = kStride / 2; column < rays.width(); column += kStride) {
-      const Ray ray{origin, R * rays.direction(row, column), R * rays.d_column(row, column),
-                    R * rays.d_row(row, column)};
-      RayPacket packet;
-      packet.count = 1;
-      packet.x[0] = ray.direction.x();
-      packet.y[0] = ray.direction.y();
-      packet.z[0] = ray.direction.z();
-      Hit hit;
-      world.closest(origin, packet, false, &hit);
-      sum += std::min(2.0F, world.look(ray, hit, kStride).radiance);
+  RayPacket packet;
+  const auto look = [&] {
+    Hit hits[kLanes];
+    SeenPacket seen;
+    world.closest(origin, packet, false, hits);
+    world.look(origin, packet, hits, kStride, seen);
+    for (std::size_t i = 0; i < packet.count; ++i) {
+      sum += std::min(2.0F, seen.radiance[i]);
       ++count;
     }
+    packet.count = 0;
+  };
+  for (int row = kStride / 2; row < rays.height(); row += kStride) {
+    for (int column = kStride / 2; column < rays.width(); column += kStride) {
+      rays.add_pixel(R, row, column, packet);
+      if (packet.count == kLanes) look();
+    }
   }
+  if (packet.count > 0) look();
   return count > 0 ? std::max(sum / count, 1e-3) : 0.5;
 }
 

@@ -2,6 +2,8 @@
 
 #include <embree3/rtcore.h>
 
+#include <Eigen/Geometry>
+
 #include <cstring>
 #include <string>
 
@@ -10,15 +12,19 @@
 namespace imslam::simulation {
 namespace {
 
+using Matrix34f = Eigen::Matrix<float, 3, 4>;  // column major, as Embree takes it
+
 constexpr float kNearest = 0.02F;  ///< [m] nothing is nearer to a lens
 
-RTCScene build_scene(RTCDevice device, const Mesh& mesh) {
+/// The mesh's triangles, its vertices carried by `M`.
+RTCGeometry make_geometry(RTCDevice device, const Mesh& mesh, const Matrix34f& M) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   auto* positions = static_cast<float*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                               3 * sizeof(float), mesh.vertices.size()));
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-    std::memcpy(positions + 3 * i, mesh.vertices[i].position.data(), 3 * sizeof(float));
+    const Eigen::Vector3f position = M * mesh.vertices[i].position.homogeneous();
+    std::memcpy(positions + 3 * i, position.data(), 3 * sizeof(float));
   }
   auto* indices = static_cast<std::uint32_t*>(
       rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
@@ -30,72 +36,99 @@ RTCScene build_scene(RTCDevice device, const Mesh& mesh) {
     indices[3 * i + 2] = triangle.c;
   }
   rtcCommitGeometry(geometry);
+  return geometry;
+}
+
+/// Attaches the geometry under `id` and gives up the caller's reference.
+void attach(RTCScene scene, RTCGeometry geometry, std::size_t id) {
+  rtcAttachGeometryByID(scene, geometry, static_cast<unsigned>(id));
+  rtcReleaseGeometry(geometry);
+}
+
+RTCScene new_scene(RTCDevice device) {
   RTCScene scene = rtcNewScene(device);
   // Robust: no ray slips through the shared edge of two triangles.
   rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
-  rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_HIGH);
-  rtcAttachGeometry(scene, geometry);
-  rtcReleaseGeometry(geometry);
-  rtcCommitScene(scene);
   return scene;
+}
+
+Matrix34f transform(const lie::SE3d& T_world_object, double scale) {
+  Matrix34f M;
+  M << (scale * T_world_object.rotation().matrix()).cast<float>(),
+      T_world_object.translation().cast<float>();
+  return M;
 }
 
 }  // namespace
 
+/// Two trees: what rests is one tree of triangles in the world's frame, since trees of trees are
+/// slow where they overlap, as crowns in a wood do; what moves is placed in a tree of instances.
 class RayTracer::Implementation {
  public:
   explicit Implementation(const Scene& scene)
       // One building thread: the tree, and so the winner of a tie, is always the same.
-      : device_(rtcNewDevice("threads=1,set_affinity=0")) {
+      : device_(rtcNewDevice("threads=1,set_affinity=0")),
+        movers_(scene.instances.size(), nullptr) {
     expects(device_ != nullptr, "RayTracer: Embree gave no device");
-    top_ = rtcNewScene(device_);
-    rtcSetSceneFlags(top_, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
-    add_instance(build_scene(device_, scene.fixed));
-    for (const Mesh& mesh : scene.prototypes) prototypes_.push_back(build_scene(device_, mesh));
-    for (const Instance& instance : scene.instances) {
-      RTCScene prototype = prototypes_[instance.prototype];
-      rtcRetainScene(prototype);
-      add_instance(prototype);
-      place(instances_.size() - 1, instance.T_world_object, instance.scale);
+    resting_ = new_scene(device_);
+    attach(resting_, make_geometry(device_, scene.fixed, transform(lie::SE3d(), 1.0)), 0);
+    for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+      const Instance& instance = scene.instances[i];
+      const Matrix34f M = transform(instance.T_world_object, instance.scale);
+      const Mesh& mesh = scene.prototypes[instance.prototype];
+      if (!instance.motion)
+        attach(resting_, make_geometry(device_, mesh, M), i + 1);
+      else
+        add_mover(i, mesh, M);
     }
-    place(0, lie::SE3d(), 1.0);
-    rtcCommitScene(top_);
+    rtcCommitScene(resting_);
+    if (moving_ != nullptr) rtcCommitScene(moving_);
   }
 
   ~Implementation() {
-    for (RTCGeometry instance : instances_) rtcReleaseGeometry(instance);
-    for (RTCScene prototype : prototypes_) rtcReleaseScene(prototype);
-    rtcReleaseScene(top_);
+    if (moving_ != nullptr) rtcReleaseScene(moving_);
+    rtcReleaseScene(resting_);
     rtcReleaseDevice(device_);
   }
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;
 
-  void place(std::size_t index, const lie::SE3d& T_world_object, double scale) {
-    Eigen::Matrix<float, 3, 4> M;  // column major
-    M << (scale * T_world_object.rotation().matrix()).cast<float>(),
-        T_world_object.translation().cast<float>();
-    RTCGeometry instance = instances_[index];
-    rtcSetGeometryTransform(instance, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, M.data());
-    rtcCommitGeometry(instance);
+  void place(std::size_t i, const lie::SE3d& T_world_object, double scale) {
+    expects(movers_[i] != nullptr, "RayTracer::place: the instance is at rest");
+    const Matrix34f M = transform(T_world_object, scale);
+    rtcSetGeometryTransform(movers_[i], 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, M.data());
+    rtcCommitGeometry(movers_[i]);
   }
 
-  RTCScene top() const { return top_; }
+  RTCScene top() const { return moving_ != nullptr ? moving_ : resting_; }
 
  private:
-  /// Takes over the caller's reference to `scene`.
-  void add_instance(RTCScene scene) {
+  void add_mover(std::size_t i, const Mesh& mesh, const Matrix34f& M) {
+    if (moving_ == nullptr) {
+      moving_ = rtcNewScene(device_);
+      rtcSetSceneFlags(moving_, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_DYNAMIC);
+      add_instance(resting_, 0, transform(lie::SE3d(), 1.0));
+    }
+    RTCScene scene = new_scene(device_);
+    attach(scene, make_geometry(device_, mesh, transform(lie::SE3d(), 1.0)), 0);
+    rtcCommitScene(scene);
+    movers_[i] = add_instance(scene, i + 1, M);
+    rtcReleaseScene(scene);
+  }
+
+  RTCGeometry add_instance(RTCScene scene, std::size_t id, const Matrix34f& M) {
     RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
     rtcSetGeometryInstancedScene(geometry, scene);
-    rtcReleaseScene(scene);
-    rtcAttachGeometry(top_, geometry);
-    instances_.push_back(geometry);
+    rtcSetGeometryTransform(geometry, 0, RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR, M.data());
+    rtcCommitGeometry(geometry);
+    attach(moving_, geometry, id);
+    return geometry;
   }
 
   RTCDevice device_;
-  RTCScene top_ = nullptr;
-  std::vector<RTCScene> prototypes_;
-  std::vector<RTCGeometry> instances_;
+  std::vector<RTCGeometry> movers_;  ///< of each instance of the scene; null: it rests
+  RTCScene resting_ = nullptr;
+  RTCScene moving_ = nullptr;  ///< null: nothing moves
 };
 
 RayTracer::RayTracer(const Scene& scene)
@@ -103,7 +136,7 @@ RayTracer::RayTracer(const Scene& scene)
 RayTracer::~RayTracer() = default;
 
 void RayTracer::place(std::size_t instance, const lie::SE3d& T_world_object, double scale) {
-  implementation_->place(instance + 1, T_world_object, scale);
+  implementation_->place(instance, T_world_object, scale);
 }
 
 void RayTracer::commit() { rtcCommitScene(implementation_->top()); }
@@ -113,15 +146,15 @@ void RayTracer::closest(const Eigen::Vector3f& origin,
                         bool coherent,
                         Hit* hits) const {
   RTCRayHit16 packet;
-  alignas(64) int valid[RayPacket::kLanes];
-  for (std::size_t i = 0; i < RayPacket::kLanes; ++i) {
+  alignas(64) int valid[kLanes];
+  for (std::size_t i = 0; i < kLanes; ++i) {
     valid[i] = i < rays.count ? -1 : 0;
     packet.ray.org_x[i] = origin.x();
     packet.ray.org_y[i] = origin.y();
     packet.ray.org_z[i] = origin.z();
-    packet.ray.dir_x[i] = rays.x[i];
-    packet.ray.dir_y[i] = rays.y[i];
-    packet.ray.dir_z[i] = rays.z[i];
+    packet.ray.dir_x[i] = rays.direction.x[i];
+    packet.ray.dir_y[i] = rays.direction.y[i];
+    packet.ray.dir_z[i] = rays.direction.z[i];
     packet.ray.tnear[i] = kNearest;
     packet.ray.tfar[i] = std::numeric_limits<float>::infinity();
     packet.ray.time[i] = 0.0F;
@@ -136,8 +169,11 @@ void RayTracer::closest(const Eigen::Vector3f& origin,
   if (coherent) context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   rtcIntersect16(valid, implementation_->top(), &context, &packet);
   for (std::size_t i = 0; i < rays.count; ++i) {
+    // Under instance 0 or none lie the things at rest, under the others one geometry each.
+    const std::uint32_t above = packet.hit.instID[0][i];
+    const bool rests = above == RTC_INVALID_GEOMETRY_ID || above == 0;
     const bool found = packet.hit.geomID[i] != RTC_INVALID_GEOMETRY_ID;
-    hits[i] = found ? Hit{packet.hit.instID[0][i], packet.hit.primID[i]} : Hit{};
+    hits[i] = found ? Hit{rests ? packet.hit.geomID[i] : above, packet.hit.primID[i]} : Hit{};
   }
 }
 

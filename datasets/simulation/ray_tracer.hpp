@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "datasets/simulation/packet.hpp"
 #include "datasets/simulation/scene.hpp"
 
 namespace imslam::simulation {
@@ -17,15 +18,6 @@ struct Hit {
   std::uint32_t triangle = kNothing;
 
   bool empty() const { return instance == kNothing; }
-};
-
-/// Sixteen rays from one place, in lanes; unused lanes are switched off.
-struct RayPacket {
-  static constexpr std::size_t kLanes = 16;
-  alignas(64) float x[kLanes] = {};
-  alignas(64) float y[kLanes] = {};
-  alignas(64) float z[kLanes] = {};
-  std::size_t count = 0;  ///< lanes in use
 };
 
 /// Finds which triangle a ray meets (Embree). It gives identities only: distances are computed

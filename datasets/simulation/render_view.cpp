@@ -1,4 +1,3 @@
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,63 +6,45 @@
 #include "datasets/simulation/view.hpp"
 #include "slam/base/parallel.hpp"
 
+// Vectors are passed by reference only, so their calling convention does not matter.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace imslam::simulation {
 namespace {
 
 using Eigen::Vector3f;
 
-constexpr int kTile = 4;  ///< a packet is a square of kTile x kTile pixels: its rays stay together
-constexpr std::size_t kLanes = RayPacket::kLanes;
-static_assert(kTile * kTile == static_cast<int>(kLanes));
+constexpr int kTile = RayTable::kTile;
+constexpr auto kTileLanes = static_cast<std::size_t>(kTile);
+static_assert(kTileLanes * kTileLanes == kLanes);
 
-/// Where the finer rays of an edge pixel go, in pixels.
-struct SubRays {
-  std::size_t count;
-  float offsets[4][2];
-  float centre_weight;  ///< of the ray that is there already
-};
-/// Along a clean edge: a rotated grid, every row and column of a 4 x 4 raster once.
-constexpr SubRays kClean = {
-    4, {{-0.125F, -0.375F}, {0.375F, -0.125F}, {-0.375F, 0.125F}, {0.125F, 0.375F}}, 0.0F};
-/// In foliage, where most neighbours differ and no edge can be followed: a diagonal and the centre.
-constexpr SubRays kBusy = {2, {{-0.3F, -0.3F}, {0.3F, 0.3F}, {}, {}}, 1.0F};
-constexpr int kBusyNeighbours = 3;
+/// Where the finer rays of an edge pixel go, in pixels: a rotated grid, every row and column of a
+/// 4 x 4 raster once.
+constexpr std::size_t kSubRays = 4;
+constexpr float kSubRay[kSubRays][2] = {
+    {-0.125F, -0.375F}, {0.375F, -0.125F}, {-0.375F, 0.125F}, {0.125F, 0.375F}};
+/// A tile with more edge pixels than this shows a long edge or foliage: a ray near each corner of
+/// the pixels, shared by the four about it, then costs less and says more than four of each pixel.
+constexpr int kBusy = 5;
+/// How far from the corner the ray goes [px], to and fro in turn, so that upright and level edges
+/// meet the rays of a pixel one after the other.
+constexpr float kOffCorner = 0.125F;
+constexpr float kCentreWeight = 2.0F;  ///< of the ray through the centre; a corner's is 1
 /// Steps of radiance smaller than this share of it are left as they are: less than sensor noise.
 constexpr float kInvisible = 0.05F;
 
-void fill(RayPacket& packet, std::size_t lane, const Vector3f& direction) {
-  packet.x[lane] = direction.x();
-  packet.y[lane] = direction.y();
-  packet.z[lane] = direction.z();
+/// Rays of a packet, bent by lane-wise shares of the change per pixel.
+IMSLAM_FOR_EACH_PROCESSOR void shift(const Floats& columns, const Floats& rows, RayPacket& packet) {
+  Floats3& d = packet.direction;
+  d.x += columns * packet.d_column.x + rows * packet.d_row.x;
+  d.y += columns * packet.d_column.y + rows * packet.d_row.y;
+  d.z += columns * packet.d_column.z + rows * packet.d_row.z;
+  // A shift of half a pixel changes the length by about 1e-6: one Newton step makes it 1 again.
+  const Floats longer = 1.5F - 0.5F * (d.x * d.x + d.y * d.y + d.z * d.z);
+  d.x *= longer;
+  d.y *= longer;
+  d.z *= longer;
 }
-
-/// World directions of a band of kTile rows and one row and column of margin all around.
-class Band {
- public:
-  Band(const RayTable& rays, const Eigen::Matrix3f& R_world_camera, int first_row)
-      : width_(rays.width() + 2), first_row_(first_row) {
-    directions_.resize(static_cast<std::size_t>((kTile + 2) * width_));
-    for (int row = first_row - 1; row <= std::min(first_row + kTile, rays.height()); ++row) {
-      const Vector3f* from = &rays.direction(row, -1);
-      Vector3f* to = &directions_[index(row, -1)];
-      for (int i = 0; i < width_; ++i) to[i] = R_world_camera * from[i];
-    }
-  }
-
-  Ray ray(const Vector3f& origin, int row, int column) const {
-    const Vector3f* here = &directions_[index(row, column)];
-    return {origin, *here, 0.5F * (here[1] - here[-1]), 0.5F * (here[width_] - here[-width_])};
-  }
-
- private:
-  std::size_t index(int row, int column) const {
-    return static_cast<std::size_t>((row - first_row_ + 1) * width_ + column + 1);
-  }
-
-  int width_;
-  int first_row_;
-  std::vector<Vector3f> directions_;
-};
 
 class Renderer {
  public:
@@ -72,113 +53,152 @@ class Renderer {
         rays_(rays),
         R_(T_world_camera.rotation().matrix().cast<float>()),
         origin_(T_world_camera.translation().cast<float>()),
-        view_(view) {}
-
-  /// One ray through the centre of every pixel of kTile rows.
-  void first_rays(int first_row) const {
-    const Band band(rays_, R_, first_row);
-    for (int column = 0; column < view_.width; column += kTile) first_tile(band, first_row, column);
+        view_(view) {
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      corner_columns_[i] = 0.5F + (i / kTileLanes % 2 == 0 ? kOffCorner : -kOffCorner);
+      corner_rows_[i] = 0.5F + (i % 2 == 0 ? kOffCorner : -kOffCorner);
+      sub_columns_[i] = kSubRay[i % kSubRays][0];
+      sub_rows_[i] = kSubRay[i % kSubRays][1];
+    }
   }
 
-  /// Means of finer rays for the edge pixels of kTile rows, written to `smooth`.
-  void edges(int first_row, std::vector<float>& smooth) const {
-    const Band band(rays_, R_, first_row);
-    const int end = std::min(first_row + kTile, view_.height);
-    Queue clean{kClean, {}, 0};
-    Queue busy{kBusy, {}, 0};
-    for (int column = 0; column < view_.width; ++column) {
-      for (int row = first_row; row < end; ++row) {
-        const int differing = differing_neighbours(row, column);
-        if (differing == 0) continue;
-        Queue& queue = differing < kBusyNeighbours ? clean : busy;
-        queue.pixels[queue.count++] = {row, column};
-        if ((queue.count + 1) * queue.sub_rays.count > kLanes) refine(band, queue, smooth);
+  /// One ray through the centre of every pixel of a row of tiles.
+  void centres(int tile_row) const {
+    for (int tile_column = 0; tile_column < rays_.tile_columns(); ++tile_column) {
+      SeenPacket seen;
+      look(rays_.tile_packet(R_, tile_row, tile_column), 1.0F, seen);
+      for_each_row(tile_row, tile_column, [&](std::size_t at, std::size_t lane, std::size_t lanes) {
+        store(&seen.radiance, lane, lanes, &view_.radiance[at]);
+        store(&seen.distance, lane, lanes, &view_.distance[at]);
+        std::copy_n(seen.surface + lane, lanes, &view_.surface[at]);
+        std::copy_n(seen.instance + lane, lanes, &view_.instance[at]);
+      });
+    }
+  }
+
+  /// Means of finer rays for the pixels at clean edges of a row of tiles, written to `smooth`, and
+  /// the rays at the lower right corners of the pixels of busy tiles, written to `corners`.
+  void edges(int tile_row, std::vector<float>& smooth, std::vector<float>& corners) const {
+    Queue queue;
+    for (int tile_column = 0; tile_column < rays_.tile_columns(); ++tile_column) {
+      const int first_row = tile_row * kTile;
+      const int first_column = tile_column * kTile;
+      std::array<std::size_t, kLanes> edge_pixels;
+      std::size_t count = 0;
+      for (int row = first_row; row < std::min(first_row + kTile, view_.height); ++row) {
+        for (int column = first_column; column < std::min(first_column + kTile, view_.width);
+             ++column) {
+          if (at_edge(row, column)) edge_pixels[count++] = view_.index(row, column);
+        }
+      }
+      if (count > kBusy) {
+        trace_corners(tile_row, tile_column, corners);
+      } else {
+        for (std::size_t k = 0; k < count; ++k) enqueue(edge_pixels[k], queue, smooth);
       }
     }
-    refine(band, clean, smooth);
-    refine(band, busy, smooth);
+    refine(queue, smooth);
+  }
+
+  /// Mixes the centre of a busy tile's pixel with the corners about it that are known.
+  void mix(std::size_t row, const std::vector<float>& corners, std::vector<float>& smooth) const {
+    const auto width = static_cast<std::size_t>(view_.width);
+    for (std::size_t column = 0; column < width; ++column) {
+      const std::size_t at = row * width + column;
+      if (corners[at] < 0.0F) continue;
+      float sum = kCentreWeight * view_.radiance[at];
+      float weight = kCentreWeight;
+      const auto add = [&](bool inside, std::size_t from) {
+        if (!inside || corners[from] < 0.0F) return;
+        sum += corners[from];
+        weight += 1.0F;
+      };
+      add(true, at);
+      add(column > 0, at - 1);
+      add(row > 0, at - width);
+      add(row > 0 && column > 0, at - width - 1);
+      smooth[at] = sum / weight;
+    }
   }
 
  private:
-  struct Pixel {
-    int row;
-    int column;
-  };
-
   /// Edge pixels that wait until their rays fill a packet.
   struct Queue {
-    const SubRays& sub_rays;
-    std::array<Pixel, kLanes> pixels;
-    std::size_t count;
+    std::array<std::size_t, kLanes / kSubRays> pixels = {};
+    std::size_t count = 0;
+    RayPacket rays;
   };
 
-  void first_tile(const Band& band, int first_row, int first_column) const {
-    std::array<Pixel, kLanes> pixels;
-    std::array<Ray, kLanes> rays;
-    RayPacket packet;
-    for (int row = first_row; row < std::min(first_row + kTile, view_.height); ++row) {
-      for (int column = first_column; column < std::min(first_column + kTile, view_.width);
-           ++column) {
-        pixels[packet.count] = {row, column};
-        rays[packet.count] = band.ray(origin_, row, column);
-        fill(packet, packet.count, rays[packet.count].direction);
-        ++packet.count;
-      }
-    }
+  void look(const RayPacket& rays, float footprint, SeenPacket& seen) const {
     std::array<Hit, kLanes> hits;
-    world_.closest(origin_, packet, true, hits.data());
-    for (std::size_t i = 0; i < packet.count; ++i) {
-      const Seen seen = world_.look(rays[i], hits[i], 1.0F);
-      const std::size_t at = view_.index(pixels[i].row, pixels[i].column);
-      view_.radiance[at] = seen.radiance;
-      view_.distance[at] = seen.distance;
-      view_.surface[at] = seen.surface;
-      view_.instance[at] = seen.instance;
+    world_.closest(origin_, rays, true, hits.data());
+    world_.look(origin_, rays, hits.data(), footprint, seen);
+  }
+
+  static void store(const Floats* from, std::size_t lane, std::size_t lanes, float* to) {
+    std::memcpy(to, reinterpret_cast<const char*>(from) + lane * sizeof(float),
+                lanes * sizeof(float));
+  }
+
+  /// Calls store_row(index in the view, first lane, lanes) for the rows of a tile in the image.
+  template <typename StoreRow>
+  void for_each_row(int tile_row, int tile_column, const StoreRow& store_row) const {
+    const int first_row = tile_row * kTile;
+    const int first_column = tile_column * kTile;
+    const int lanes = std::min(kTile, view_.width - first_column);
+    for (int i = 0; i < std::min(kTile, view_.height - first_row); ++i) {
+      store_row(view_.index(first_row + i, first_column), static_cast<std::size_t>(i) * kTileLanes,
+                static_cast<std::size_t>(lanes));
     }
   }
 
-  /// Direct neighbours that show another surface in another brightness, 0 to 4.
-  int differing_neighbours(int row, int column) const {
+  /// Whether a direct neighbour shows another surface in another brightness.
+  bool at_edge(int row, int column) const {
     const std::size_t at = view_.index(row, column);
     const std::uint32_t surface = view_.surface[at];
     const float radiance = view_.radiance[at];
     const auto differs = [&](bool inside, std::size_t other) {
       return inside && view_.surface[other] != surface &&
-                     std::abs(view_.radiance[other] - radiance) > kInvisible * radiance
-                 ? 1
-                 : 0;
+             std::abs(view_.radiance[other] - radiance) > kInvisible * radiance;
     };
     const auto width = static_cast<std::size_t>(view_.width);
-    return differs(column > 0, at - 1) + differs(column + 1 < view_.width, at + 1) +
-           differs(row > 0, at - width) + differs(row + 1 < view_.height, at + width);
+    return differs(column > 0, at - 1) || differs(column + 1 < view_.width, at + 1) ||
+           differs(row > 0, at - width) || differs(row + 1 < view_.height, at + width);
+  }
+
+  void trace_corners(int tile_row, int tile_column, std::vector<float>& corners) const {
+    RayPacket rays = rays_.tile_packet(R_, tile_row, tile_column);
+    shift(corner_columns_, corner_rows_, rays);
+    SeenPacket seen;
+    look(rays, 0.5F, seen);
+    for_each_row(tile_row, tile_column, [&](std::size_t at, std::size_t lane, std::size_t lanes) {
+      store(&seen.radiance, lane, lanes, &corners[at]);
+    });
+  }
+
+  void enqueue(std::size_t pixel, Queue& queue, std::vector<float>& smooth) const {
+    const auto width = static_cast<std::size_t>(view_.width);
+    for (std::size_t i = 0; i < kSubRays; ++i) {
+      rays_.add_pixel(R_, static_cast<int>(pixel / width), static_cast<int>(pixel % width),
+                      queue.rays);
+    }
+    queue.pixels[queue.count++] = pixel;
+    if (queue.count == queue.pixels.size()) refine(queue, smooth);
   }
 
   /// Empties the queue.
-  void refine(const Band& band, Queue& queue, std::vector<float>& smooth) const {
+  void refine(Queue& queue, std::vector<float>& smooth) const {
     if (queue.count == 0) return;
-    const SubRays& sub = queue.sub_rays;
-    RayPacket packet;
-    packet.count = queue.count * sub.count;
-    std::array<Ray, kLanes> rays;
-    for (std::size_t i = 0; i < packet.count; ++i) {
-      const Pixel& pixel = queue.pixels[i / sub.count];
-      const float* offset = sub.offsets[i % sub.count];
-      rays[i] = band.ray(origin_, pixel.row, pixel.column);
-      rays[i].direction += offset[0] * rays[i].d_column + offset[1] * rays[i].d_row;
-      rays[i].direction.normalize();
-      fill(packet, i, rays[i].direction);
-    }
-    std::array<Hit, kLanes> hits;
-    world_.closest(origin_, packet, true, hits.data());
+    shift(sub_columns_, sub_rows_, queue.rays);
+    SeenPacket seen;
+    look(queue.rays, 0.5F, seen);
     for (std::size_t k = 0; k < queue.count; ++k) {
-      const std::size_t at = view_.index(queue.pixels[k].row, queue.pixels[k].column);
-      float sum = sub.centre_weight * view_.radiance[at];
-      for (std::size_t i = k * sub.count; i < (k + 1) * sub.count; ++i) {
-        sum += world_.look(rays[i], hits[i], 0.5F).radiance;
-      }
-      smooth[at] = sum / (static_cast<float>(sub.count) + sub.centre_weight);
+      float sum = 0.0F;
+      for (std::size_t i = k * kSubRays; i < (k + 1) * kSubRays; ++i) sum += seen.radiance[i];
+      smooth[queue.pixels[k]] = sum / static_cast<float>(kSubRays);
     }
     queue.count = 0;
+    queue.rays.count = 0;
   }
 
   const World& world_;
@@ -186,42 +206,11 @@ class Renderer {
   Eigen::Matrix3f R_;
   Vector3f origin_;
   View& view_;
+  Floats corner_columns_, corner_rows_;  ///< where the rays of a busy tile go [px]
+  Floats sub_columns_, sub_rows_;        ///< where the rays of four edge pixels go [px]
 };
 
-/// Pseudo-inverse of [d_column d_row].
-Eigen::Matrix<float, 2, 3> inverse_of_steps(const Eigen::Vector3d& d_column,
-                                            const Eigen::Vector3d& d_row) {
-  Eigen::Matrix<double, 3, 2> J_direction_pixel;
-  J_direction_pixel << d_column, d_row;
-  const Eigen::Matrix2d normal = J_direction_pixel.transpose() * J_direction_pixel;
-  if (normal.determinant() < 1e-24) return Eigen::Matrix<float, 2, 3>::Zero();
-  return (normal.inverse() * J_direction_pixel.transpose()).cast<float>();
-}
-
 }  // namespace
-
-RayTable::RayTable(const Lens& lens) : width_(lens.width()), height_(lens.height()) {
-  const int columns = width_ + 2;
-  std::vector<Eigen::Vector3d> wide(static_cast<std::size_t>((height_ + 2) * columns));
-  parallel_for(static_cast<std::size_t>(height_ + 2), [&](std::size_t row) {
-    for (int column = 0; column < columns; ++column) {
-      const Eigen::Vector2d pixel(column - 1.0, static_cast<double>(row) - 1.0);
-      wide[row * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column)] =
-          lens.direction(pixel);
-    }
-  });
-  directions_.reserve(wide.size());
-  for (const Eigen::Vector3d& direction : wide) directions_.push_back(direction.cast<float>());
-  for (int row = 0; row < height_; ++row) {
-    for (int column = 0; column < width_; ++column) {
-      const Eigen::Vector3d* here =
-          &wide[static_cast<std::size_t>((row + 1) * columns + column + 1)];
-      exact_.push_back(*here);
-      pixel_changes_.push_back(
-          inverse_of_steps(0.5 * (here[1] - here[-1]), 0.5 * (here[columns] - here[-columns])));
-    }
-  }
-}
 
 void render_view(const World& world,
                  const RayTable& rays,
@@ -236,11 +225,15 @@ void render_view(const World& world,
   view.surface.resize(count);
   view.instance.resize(count);
   const Renderer renderer(world, rays, T_world_camera, view);
-  const auto bands = static_cast<std::size_t>((view.height + kTile - 1) / kTile);
-  parallel_for(bands, [&](std::size_t i) { renderer.first_rays(static_cast<int>(i) * kTile); });
+  const auto tile_rows = static_cast<std::size_t>(rays.tile_rows());
+  parallel_for(tile_rows, [&](std::size_t i) { renderer.centres(static_cast<int>(i)); });
   if (!antialias) return;
   std::vector<float> smooth = view.radiance;
-  parallel_for(bands, [&](std::size_t i) { renderer.edges(static_cast<int>(i) * kTile, smooth); });
+  std::vector<float> corners(count, -1.0F);
+  parallel_for(tile_rows,
+               [&](std::size_t i) { renderer.edges(static_cast<int>(i), smooth, corners); });
+  parallel_for(static_cast<std::size_t>(view.height),
+               [&](std::size_t row) { renderer.mix(row, corners, smooth); });
   view.radiance.swap(smooth);
 }
 

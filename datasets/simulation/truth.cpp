@@ -13,7 +13,7 @@ std::vector<float> depth_of(const View& view, const RayTable& rays) {
     for (int column = 0; column < view.width; ++column) {
       const std::size_t at = view.index(row, column);
       if (std::isfinite(view.distance[at])) {
-        depth[at] = view.distance[at] * rays.direction(row, column).z();
+        depth[at] = view.distance[at] * static_cast<float>(rays.direction(row, column).z());
       }
     }
   });
@@ -45,7 +45,7 @@ Flow flow_of(const View& view,
       const Eigen::Vector2d pixel0(column, row);
       const Eigen::Matrix4d& T = motions[view.instance[at]];
       // The sky is infinitely far: only the rotation moves it.
-      Eigen::Vector3d p = T.topLeftCorner<3, 3>() * rays.exact_direction(row, column);
+      Eigen::Vector3d p = T.topLeftCorner<3, 3>() * rays.direction(row, column);
       if (std::isfinite(view.distance[at])) {
         p = static_cast<double>(view.distance[at]) * p + T.topRightCorner<3, 1>();
       }

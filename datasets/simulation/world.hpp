@@ -5,6 +5,7 @@
 
 #include "datasets/simulation/ray_tracer.hpp"
 #include "datasets/simulation/scene.hpp"
+#include "datasets/simulation/texture_pool.hpp"
 
 namespace imslam::simulation {
 
@@ -23,20 +24,12 @@ struct Facet {
   std::uint32_t surface = 0;
 };
 
-/// What a camera sees along one ray.
-struct Seen {
-  float radiance = 0.0F;
-  float distance = std::numeric_limits<float>::infinity();  ///< [m] along the unit ray; sky: inf
-  std::uint32_t surface = 0;   ///< differs between smooth pieces and between instances
-  std::uint32_t instance = 0;  ///< as in Hit; 0 for the sky, which does not move either
-};
-
-/// A ray and how it changes from one pixel to the next.
-struct Ray {
-  Eigen::Vector3f origin;     ///< [m] world
-  Eigen::Vector3f direction;  ///< unit, world
-  Eigen::Vector3f d_column;   ///< change of direction per pixel to the right
-  Eigen::Vector3f d_row;      ///< change of direction per pixel downwards
+/// What a camera sees along the rays of a packet.
+struct SeenPacket {
+  Floats radiance;
+  Floats distance;                 ///< [m] along the unit ray; sky: inf
+  std::uint32_t surface[kLanes];   ///< differs between smooth pieces and between instances
+  std::uint32_t instance[kLanes];  ///< as in Hit; 0 for the sky, which does not move either
 };
 
 /// A scene at an instant: traces and shades rays.
@@ -57,8 +50,13 @@ class World {
     return tracer_.occluded(origin, to - origin, share);
   }
 
-  /// `footprint`: size of the sampled area in pixels, 1 for a whole pixel.
-  Seen look(const Ray& ray, const Hit& hit, float footprint) const;
+  /// `footprint`: size of the sampled area in pixels, 1 for a whole pixel. Lanes beyond rays.count
+  /// get values without a meaning.
+  void look(const Eigen::Vector3f& origin,
+            const RayPacket& rays,
+            const Hit* hits,
+            float footprint,
+            SeenPacket& seen) const;
 
   /// Motion that carries a point of an instance from where it is at t0 to where it is at t1.
   lie::SE3d instance_motion(std::uint32_t instance, double t0, double t1) const;
@@ -78,10 +76,9 @@ class World {
   };
 
   void place(std::size_t instance, const lie::SE3d& T_world_object);
-  Seen look_at_sky(const Ray& ray) const;
-  float lit(const Facet& facet, const Placement& placement, const Eigen::Vector3f& p) const;
 
   Scene scene_;
+  TexturePool pool_;
   RayTracer tracer_;
   std::vector<std::vector<Facet>> facets_;  ///< fixed mesh first, then the prototypes
   std::vector<Placement> placements_;       ///< fixed mesh first, then the instances

@@ -6,6 +6,7 @@
 
 #include "datasets/simulation/materials.hpp"
 #include "datasets/simulation/texture_bank.hpp"
+#include "datasets/simulation/texture_pool.hpp"
 #include "slam/base/error.hpp"
 
 namespace imslam::simulation {
@@ -46,6 +47,21 @@ TEST(Texture, RejectsASizeThatIsNoPowerOfTwo) {
 
 // A front end lives on contrast: every material that covers large surfaces must have some, and
 // must join itself without a seam.
+TEST(TexturePool, RepeatsTheFirstRowAndColumnOfEachLevelBehindTheLast) {
+  Random random(5);
+  const Texture first = draw_material(Material::kBrick, random.fork(1));
+  const Texture second(2, {10, 20, 30, 40});
+  const TexturePool pool({first, second});
+  ASSERT_EQ(pool.size(1), 2);
+  ASSERT_EQ(pool.last_level(1), 1);
+  const std::int32_t* starts = pool.starts() + TexturePool::kMostLevels;
+  const std::uint8_t* fine = pool.texels() + starts[0];
+  EXPECT_EQ(std::vector<int>(fine, fine + 9),
+            std::vector<int>({10, 20, 10, 30, 40, 30, 10, 20, 10}));
+  const std::uint8_t* coarse = pool.texels() + starts[1];
+  EXPECT_EQ(std::vector<int>(coarse, coarse + 4), std::vector<int>({25, 25, 25, 25}));
+}
+
 TEST(Materials, HaveContrastAndNoSeam) {
   for (const Material material :
        {Material::kPlaster, Material::kBrick, Material::kPlanks, Material::kTiles,
