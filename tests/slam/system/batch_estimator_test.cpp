@@ -110,6 +110,21 @@ TEST(EstimateBatch, TheDisparityOffsetScalesTheMotionsThatDependOnIt) {
   EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 5e-3);
 }
 
+TEST(EstimateBatch, TheGyroTellsHowFarTheFocalLengthIsOff) {
+  const SineWorld world;
+  Measurements measurements = world.measure();
+  // A focal length 2 % too short makes turns 2 % too large.
+  for (RelativeMotion& motion : measurements.odometry) {
+    const Eigen::Vector3d turn = motion.T_body0_body1.rotation().log();
+    motion.J_focal_error.tail<3>() = -turn;
+    motion.T_body0_body1 =
+        lie::SE3d(lie::SO3d::exp(1.02 * turn), motion.T_body0_body1.translation());
+  }
+  const auto estimate = estimate_batch(measurements, {}, {});
+  ASSERT_TRUE(estimate.focal_error.has_value());
+  EXPECT_NEAR(estimate.focal_error->value, 0.02, 0.002);
+}
+
 TEST(EstimateBatch, ThePublishedPresetSolvesWindowByWindow) {
   const SineWorld world;
   SlamOptions options;
