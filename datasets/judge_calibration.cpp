@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kDegrees = 57.29577951308232;
 constexpr double kSameMotion = 0.8;  ///< correlation: vision and gyro saw the same
-/// A wrong focal length shows about half: what is near passes for translation.
+/// A wrong focal length shows in part only, and either way: rotation passes for translation.
 constexpr double kFocalTolerance = 0.05;
 constexpr double kScaleTolerance = 0.25;  ///< accelerometers and coarse odometry err, too
 constexpr double kScaleSigmas = 4.0;
@@ -67,9 +67,7 @@ void judge_focal_length(const RotationComparison& fit, Findings& findings) {
   } else if (fit.correlation > kSameMotion && std::abs(fit.scale - 1.0) > kFocalTolerance) {
     findings.warn(
         fmt::format("the images turn {:.2f} times as fast as the gyro", fit.scale),
-        fmt::format("the focal length seems to be wrong by {:+.0f} % or more, or the gyro's "
-                    "scale",
-                    (1.0 / fit.scale - 1.0) * 100.0));
+        "the focal length seems to be wrong, or the gyro's scale: calibrate again");
   }
 }
 

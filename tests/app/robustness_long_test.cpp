@@ -43,7 +43,6 @@ class LongOutage : public ::testing::Test {
   TempDir dir_;
   Chaos chaos_{testing::simulated_base().long_sequence, dir_.path() / "spoiled"};
 };
-};
 
 TEST_F(LongOutage, TenSecondsUnderALensCapAreDegradedAfterTwo) {  // M12
   chaos_.paint(Side::kBoth, {4.0, 14.0}, [](cv::Mat& image, Random&) { image.setTo(0); });

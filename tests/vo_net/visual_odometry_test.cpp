@@ -137,13 +137,15 @@ TEST(VisualOdometry, IsNotLostForeverAfterACutToAnEmptierScene) {
   for (int i = 0; i < 12; ++i) {
     const bool cut = i >= 3;
     StereoFrame frame = (cut ? after : before).draw(camera, pose_of_frame(i), time_of_frame(i));
-    const auto most = static_cast<std::ptrdiff_t>(frame.left.pixels.size() * 4 / 5);
+    const auto most = static_cast<std::ptrdiff_t>(frame.left.pixels.size() * 6 / 7);
     for (GrayImage* image : {&frame.left, &frame.right}) {
       if (cut) std::fill(image->pixels.begin(), image->pixels.begin() + most, std::uint8_t{128});
     }
     const VoOutput output = odometry.process(frame);
-    if (cut) EXPECT_LT(output.points.size(), 75U);
-    if (i == 11) expect_motion(output.motion, true_motion(camera, 10, 11), 5e-3, 2e-3);
+    if (cut) {
+      EXPECT_LT(output.points.size(), 75U);
+    }
+    if (i == 11) expect_motion(output.motion, true_motion(camera, 10, 11), 2e-2, 1e-2);
   }
 }
 
