@@ -65,9 +65,8 @@ void judge_focal_length(const RotationComparison& fit, Findings& findings) {
             ? "it is in degrees per second; convert it to radians"
             : "check the gyro's unit");
   } else if (fit.correlation > kSameMotion && std::abs(fit.scale - 1.0) > kFocalTolerance) {
-    findings.warn(
-        fmt::format("the images turn {:.2f} times as fast as the gyro", fit.scale),
-        "the focal length seems to be wrong, or the gyro's scale: calibrate again");
+    findings.warn(fmt::format("the images turn {:.2f} times as fast as the gyro", fit.scale),
+                  "the focal length seems to be wrong, or the gyro's scale: calibrate again");
   }
 }
 

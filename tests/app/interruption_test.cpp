@@ -40,7 +40,7 @@ int wait_for(pid_t child) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
 }
 
-class Interruption : public ::testing::Test {
+class StartedRun : public ::testing::Test {
  protected:
   /// Runs, and sends `signal` `delay_s` after the run folder has appeared.
   int interrupted_run(const fs::path& out, int signal, double delay_s) {
@@ -59,6 +59,9 @@ class Interruption : public ::testing::Test {
   TempDir dir_;
   fs::path base_ = testing::simulated_base().sequence;
 };
+
+class Interruption : public StartedRun {};
+class Output : public StartedRun {};
 
 TEST_F(Interruption, LeavesAValidFolderAndTheCodeOfItsSignal) {  // D6
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
@@ -89,14 +92,14 @@ TEST_F(Interruption, OfARenderingHasTheCodeOfItsSignal) {  // D6
   }
 }
 
-TEST_F(Interruption, OutputThatCannotBeWrittenIsCodeSix) {  // D4
+TEST_F(Output, ThatCannotBeWrittenIsCodeSix) {  // D4
   for (const char* place : {"/proc/run", "/dev/null/run", "/sys/kernel/run"}) {
     const auto result = run(std::string("--out ") + place);
     EXPECT_EQ(result.exit_code, 6) << place << result.err;
   }
 }
 
-TEST_F(Interruption, FilesThatMayNotGrowAreCodeSix) {  // D4: not beyond 8 kB
+TEST_F(Output, FilesThatMayNotGrowAreCodeSix) {  // D4: not beyond 8 kB
   const fs::path out = dir_.path() / "run";
   const auto result = run("--out " + quoted(out.string()), "trap '' XFSZ; ulimit -f 8;");
   EXPECT_EQ(result.exit_code, 6) << result.err;
@@ -106,7 +109,7 @@ TEST_F(Interruption, FilesThatMayNotGrowAreCodeSix) {  // D4: not beyond 8 kB
 }
 
 /// Needs a mount of its own: a user namespace, or root.
-TEST_F(Interruption, AFullDiskIsCodeSixAndLeavesEarlierRunsAlone) {  // D4
+TEST_F(Output, AFullDiskIsCodeSixAndLeavesEarlierRunsAlone) {  // D4
   const std::string unshare =
       std::system("unshare -m true 2>/dev/null") == 0 ? "unshare -m" : "unshare -Urm";
   if (std::system((unshare + " mount -t tmpfs tmpfs /mnt 2>/dev/null").c_str()) != 0) {
@@ -134,7 +137,7 @@ TEST_F(Interruption, AFullDiskIsCodeSixAndLeavesEarlierRunsAlone) {  // D4
   }
 }
 
-TEST_F(Interruption, OfTwoRunsIntoOnePlaceOneIsRefused) {  // D7
+TEST_F(Output, OfTwoRunsIntoOnePlaceOneIsRefused) {  // D7
   const fs::path out = dir_.path() / "run";
   const pid_t first = start_run(base_.string(), out, "0:60");
   const pid_t second = start_run(base_.string(), out, "0:60");
