@@ -17,9 +17,9 @@ using Side = Chaos::Side;
 
 class Cut : public ::testing::Test {
  protected:
-  /// Runs, and expects a stretch that is flagged for `kind` within [from_s, to_s], and no
-  /// explosion.
-  void expect_flagged(const std::string& kind, double from_s, double to_s) {
+  /// Runs, and expects a stretch flagged for `kind` within [from_s, to_s], and no explosion: a
+  /// graph without contradictions costs up to 0.5 per residual.
+  void expect_flagged(const std::string& kind, double from_s, double to_s, double most_cost) {
     const CheckedRun spoiled = run_checked(dir_, chaos_.folder());
     bool flagged = false;
     for (const auto& segment : spoiled.metrics.at("segments")) {
@@ -27,7 +27,7 @@ class Cut : public ::testing::Test {
                             segment.at("from_s") <= to_s + 0.11);
     }
     EXPECT_TRUE(flagged) << spoiled.metrics.at("segments");
-    EXPECT_LE(spoiled.metrics.at("solver").at("cost_per_residual").get<double>(), cost);
+    EXPECT_LE(spoiled.metrics.at("solver").at("cost_per_residual").get<double>(), most_cost);
     EXPECT_LE(spoiled.metrics.at("path_length_m").get<double>(),
               2.0 * clean_run().metrics.at("path_length_m").get<double>());
   }
@@ -38,7 +38,7 @@ class Cut : public ::testing::Test {
 
 TEST_F(Cut, APieceCutOutIsFlagged) {
   chaos_.splice({2.0, 3.5});
-  expect_flagged("no_vision", 2.0, 2.1);
+  expect_flagged("no_vision", 2.0, 2.1, 5.0);
 }
 
 TEST_F(Cut, AnotherRecordingSplicedOnIsFlagged) {
@@ -46,7 +46,7 @@ TEST_F(Cut, AnotherRecordingSplicedOnIsFlagged) {
   testing::simulate_small(
       other, "scene=corridor duration_s=3 rest_s=0 camera.width=376 camera.height=240");
   chaos_.follow_with(Chaos(other, dir_.path() / "copy"), 3.0);
-  expect_flagged("no_vision", 3.0, 3.1);
+  expect_flagged("no_vision", 3.0, 3.1, 5.0);
 }
 
 TEST_F(Cut, APieceShownBackwardsIsFlagged) {

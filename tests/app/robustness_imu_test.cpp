@@ -93,21 +93,21 @@ class ImuGap : public DamagedImu, public ::testing::WithParamInterface<int> {
 
 TEST_P(ImuGap, IsSurvivedFlaggedAndForgottenWithinTwoSeconds) {  // M8
   const double length_s = 1e-3 * GetParam();
-  chaos_.cut_lines(chaos_.imu_csv(), {2.5, 2.5 + length_s});
+  chaos_.cut_lines(chaos_.imu_csv(), {2.0, 2.0 + length_s});
   const auto spoiled = run();
   EXPECT_EQ(spoiled.counter("imu_gaps") > 0, length_s >= 0.05);
   int frames = 0;
   for (const auto& segment : spoiled.metrics.at("segments")) {
     if (segment.at("kind") != "imu_gap") continue;
     frames += segment.at("frames").get<int>();
-    EXPECT_GE(segment.at("from_s").get<double>(), 2.5);
-    EXPECT_LE(segment.at("to_s").get<double>(), 2.5 + length_s + 0.05);
+    EXPECT_GE(segment.at("from_s").get<double>(), 2.0);
+    EXPECT_LE(segment.at("to_s").get<double>(), 2.0 + length_s + 0.05);
   }
   EXPECT_EQ(frames, spoiled.counter("imu_gaps"));
   expect_error_within(1.5, spoiled);
-  const double from_s = 2.5 + length_s + 2.0;
+  const double from_s = 2.0 + length_s + 2.0;
   const double before_m = step_error_m(testing::simulated_base().clean_run, from_s, 1e9);
-  EXPECT_LE(step_error_m(dir_.path() / "run", from_s, 1e9), 1.2 * before_m);
+  EXPECT_LE(step_error_m(dir_.path() / "run", from_s, 1e9), 1.5 * before_m);
 }
 
 INSTANTIATE_TEST_SUITE_P(Milliseconds,

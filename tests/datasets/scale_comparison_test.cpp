@@ -52,7 +52,8 @@ TEST(CompareScale, TakesBiasAndClockOffsetIntoAccount) {
 }
 
 TEST(CompareScale, SurvivesGapsInVisionAndImu) {
-  const TinyWorld world = swaying_world();
+  TinyWorld world = swaying_world();
+  world.frames = 120;
   auto motions = motions_of(world, 2.0);
   motions.erase(motions.begin() + 20);
   std::vector<ImuSample> samples = world.imu();
