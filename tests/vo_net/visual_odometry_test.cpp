@@ -145,7 +145,10 @@ TEST(VisualOdometry, IsNotLostForeverAfterACutToAnEmptierScene) {
     if (cut) {
       EXPECT_LT(output.points.size(), 75U);
     }
-    if (i == 11) expect_motion(output.motion, true_motion(camera, 10, 11), 2e-2, 1e-2);
+    if (i == 11) {  // a strip of a plane says little about the motion, but it says something again
+      EXPECT_TRUE(output.motion.valid);
+      EXPECT_EQ(output.motion.time0_ns, time_of_frame(10));
+    }
   }
 }
 
