@@ -1,6 +1,5 @@
 #include "app/default_sequence.hpp"
 
-#include "app/interrupt.hpp"
 #include "datasets/simulation/simulate.hpp"
 #include "slam/base/config.hpp"
 #include "slam/base/error.hpp"
@@ -33,10 +32,8 @@ fs::path make_default_sequence(const fs::path& runs_root, bool quiet) {
   log::info("rendering the built-in sequence once into {}", folder.string());
   fs::remove_all(folder);
   ProgressBar bar("render", !quiet);
-  simulation::simulate(options, folder, [&](std::size_t done, std::size_t total) {
-    bar.update(done, total);
-    if (interrupted()) throw InputError("interrupted while rendering", ExitCode::kInterrupted);
-  });
+  simulation::simulate(options, folder,
+                       [&](std::size_t done, std::size_t total) { bar.update(done, total); });
   write_file_atomic(folder / kStamp, recipe);
   return folder;
 }

@@ -28,7 +28,8 @@ constexpr const char* kFooter =
     "Exit codes: 0 ok, 1 internal error, 2 usage or configuration, 3 input data, 4 calibration,\n"
     "  5 model file, 6 output, 7 tracking lost (partial results written), 8 evaluation "
     "impossible,\n"
-    "  9 resource limit, 10 check --strict: warnings, 130 interrupted (results so far written)";
+    "  9 resource limit, 10 check --strict: warnings, 128 + number of the signal that stopped it\n"
+    "  (130 Ctrl-C, 143 SIGTERM, 129 SIGHUP): what a run had seen so far is written";
 
 void add_common_options(CLI::App& app, CommonOptions& common) {
   app.add_flag("-q,--quiet", common.quiet, "Only errors on stderr");
@@ -46,12 +47,17 @@ void start_services(const CommonOptions& common) {
   log::start(level);
   if (!common.log_file.empty()) log::add_file(common.log_file);
   set_thread_count(common.threads);
-  catch_interrupts();
+}
+
+/// What the shell gets to see: a stop names the signal that asked for it.
+int shell_code(ExitCode code) {
+  const bool stopped = code == ExitCode::kInterrupted && interrupted();
+  return stopped ? interrupt_exit_code() : static_cast<int>(code);
 }
 
 int report_failure(const char* what, ExitCode code) {
   log::error("{}", what);
-  return static_cast<int>(code);
+  return shell_code(code);
 }
 
 int execute(int argc, char** argv) {
@@ -79,7 +85,7 @@ int execute(int argc, char** argv) {
     return shown == 0 ? 0 : static_cast<int>(ExitCode::kUsage);
   }
   start_services(common);
-  return static_cast<int>(action());
+  return shell_code(action());
 }
 
 }  // namespace
@@ -88,6 +94,7 @@ int execute(int argc, char** argv) {
 int main(int argc, char** argv) {
   using imslam::ExitCode;
   using imslam::app::report_failure;
+  imslam::app::catch_interrupts();
   try {
     return imslam::app::execute(argc, argv);
   } catch (const imslam::InputError& error) {

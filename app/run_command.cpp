@@ -97,7 +97,7 @@ void expect_stereo_order(datasets::Sequence& sequence) {
 }
 
 ExitCode exit_code_of(const system::RunOutcome& outcome) {
-  if (outcome.stopped) return ExitCode::kInterrupted;
+  if (outcome.stopped || interrupted()) return ExitCode::kInterrupted;
   return outcome.result.tracking_lost ? ExitCode::kTrackingLost : ExitCode::kOk;
 }
 
@@ -114,7 +114,8 @@ ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
   const auto sequence = datasets::open_sequence(dataset, arguments.format);
   system::check_request(*sequence, settings.slam(), request);
   expect_stereo_order(*sequence);
-  const fs::path folder =
+  const HeldInterrupts held;  // from here on there is something to save
+  system::RunFolder folder =
       system::make_run_folder(arguments.runs, sequence->name(), arguments.out, arguments.force);
 
   ProgressBar bar(sequence->name(), !common.quiet);
@@ -124,18 +125,19 @@ ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
   };
   const auto outcome = system::run_sequence(*sequence, settings.slam(), request);
   bar.clear();
-  system::record_run(folder, outcome.result, outcome.summary,
+  system::record_run(folder.path(), outcome.result, outcome.summary,
                      provenance(settings, *sequence, common), sequence->camera(),
                      outcome.evaluation, settings.slam().system.map_voxel_m);
-  if (arguments.out.empty()) system::update_latest_link(folder);
+  folder.publish();
+  if (arguments.out.empty()) system::update_latest_link(folder.path());
 
-  const std::string metrics = read_file(folder / "metrics.json");
+  const std::string metrics = read_file(folder.path() / "metrics.json");
   for (const std::string& warning : outcome.result.warnings) log::warn("{}", warning);
   if (arguments.json) {
     std::fputs(metrics.c_str(), stdout);
   } else {
     std::fputs(system::metrics_table(nlohmann::json::parse(metrics)).c_str(), stdout);
-    std::printf("report: %s\n", (folder / "report.html").c_str());
+    std::printf("report: %s\n", (folder.path() / "report.html").c_str());
   }
   return exit_code_of(outcome);
 }

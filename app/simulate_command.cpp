@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "app/command.hpp"
-#include "app/interrupt.hpp"
 #include "datasets/simulation/simulate.hpp"
 #include "slam/base/config.hpp"
 #include "slam/base/progress.hpp"
@@ -45,10 +44,8 @@ ExitCode simulate(const SimulateArguments& arguments, bool quiet) {
   options.validate();
   ProgressBar bar("simulate", !quiet);
   const auto summary =
-      simulation::simulate(options, arguments.out, [&](std::size_t done, std::size_t total) {
-        bar.update(done, total);
-        if (interrupted()) throw InputError("interrupted while rendering", ExitCode::kInterrupted);
-      });
+      simulation::simulate(options, arguments.out,
+                           [&](std::size_t done, std::size_t total) { bar.update(done, total); });
   bar.clear();
   fmt::print(
       "{}: {} stereo pairs, {} IMU samples, {:.1f} m, {} textures; {:.0f} ms to render and "

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/judge_calibration.hpp"
 #include "datasets/recording.hpp"
 
 namespace imslam::datasets {
@@ -81,16 +82,6 @@ void check_rows(const VisualProbe& probe, Findings& findings) {
   }
 }
 
-void report_fit(const RotationComparison& fit, const lie::SO3d& R_body_left, Findings& findings) {
-  const double angle = (R_body_left * fit.R_left_body).log().norm() * kDegrees;
-  std::string text = fmt::format(
-      "vision against gyro over {} intervals: correlation {:.3f}, scale {:.3f}, time offset "
-      "{:+.1f} ms (t_imu = t_camera + offset)",
-      fit.intervals, fit.correlation, fit.scale, fit.time_offset_s * 1e3);
-  if (fit.planarity > 0.15) text += fmt::format(", extrinsic rotation off by {:.2f} deg", angle);
-  findings.info(text);
-}
-
 }  // namespace
 
 std::optional<Finding> check_stereo_order(Sequence& sequence, std::size_t frames) {
@@ -100,23 +91,24 @@ std::optional<Finding> check_stereo_order(Sequence& sequence, std::size_t frames
   if (!given.enough() || given.in_order()) return std::nullopt;
   // Raw images that are rectified with each other's maps can have any disparity: only the other
   // order tells.
-  bool exchanged = given.reversed();
+  bool fits_exchanged = false;
   if (auto* recorded = dynamic_cast<ExchangeableSequence*>(&sequence)) {
     const auto other = match_statistics(
         [&](std::size_t i) { return recorded->read_exchanged_frame(i); }, count, frames);
-    exchanged = other.enough() && other.in_order();
+    fits_exchanged = other.enough() && other.in_order();
   }
-  if (!exchanged) return std::nullopt;
+  if (!fits_exchanged && !given.reversed()) return std::nullopt;
   return Finding{
       Severity::kError,
       "",
       0,
       fmt::format("left and right are exchanged: rows of stereo matches differ by {:.1f} "
-                  "px with {:.0f} % of the disparities positive; exchanged, they fit",
+                  "px with {:.0f} % of the disparities positive{}",
                   given.row_difference,
                   100.0 * static_cast<double>(given.positive) /
-                      static_cast<double>(given.positive + given.negative)),
-      "swap the two image folders (or the two calibrations)",
+                      static_cast<double>(given.positive + given.negative),
+                  fits_exchanged ? "; exchanged, they fit" : ""),
+      "swap the two image folders (or the two calibrations), or check the sign of the baseline",
       ExitCode::kCalibration};
 }
 
@@ -139,9 +131,10 @@ void check_vision(Sequence& sequence, int frames, Findings& findings) {
   }
   check_rows(probe, findings);
   if (!sequence.imu()) return;
-  const lie::SO3d& R_body_left = sequence.camera().T_body_left.rotation();
+  const lie::SE3d& T_body_left = sequence.camera().T_body_left;
+  const auto& samples = sequence.imu()->samples;
   const RotationComparison comparison =
-      compare_rotations(probe.rotations(), sequence.imu()->samples, R_body_left);
+      compare_rotations(probe.rotations(), samples, T_body_left.rotation());
   if (!comparison.valid) {
     findings.info(
         fmt::format("vision against gyro: no common motion seen ({} intervals, {:.0f} deg "
@@ -150,55 +143,10 @@ void check_vision(Sequence& sequence, int frames, Findings& findings) {
                     comparison.intervals, comparison.angle_rad * kDegrees, comparison.correlation));
     return;
   }
-  judge_rotations(comparison, R_body_left, "", findings);
-}
-
-void judge_rotations(const RotationComparison& fit,
-                     const lie::SO3d& R_body_left,
-                     const std::string& file,
-                     Findings& findings) {
-  if (!fit.valid) return;
-  report_fit(fit, R_body_left, findings);
-  const double lost = fit.correlation - fit.calibrated;
-  if (lost > 0.2 && fit.inverted > fit.calibrated + 0.2) {
-    findings.fail(ExitCode::kCalibration,
-                  fmt::format("the camera-IMU rotation looks inverted: gyro and vision agree to "
-                              "{:.2f} with its inverse, to {:.2f} as given",
-                              fit.inverted, fit.calibrated),
-                  "give the inverse of the extrinsics (EuRoC T_BS: sensor to body; Kalibr "
-                  "T_cam_imu: IMU to camera)",
-                  file);
-  } else if (lost > 0.2) {
-    findings.fail(
-        ExitCode::kCalibration,
-        fmt::format("the camera-IMU rotation does not fit: gyro and vision agree to {:.2f} "
-                    "with it, to {:.2f} with the best one",
-                    fit.calibrated, fit.correlation),
-        "check the axes of IMU and camera in the extrinsics", file);
-  } else if (fit.correlation > 0.9 && fit.planarity > 0.15 && lost > 0.005) {
-    findings.warn(fmt::format("the camera-IMU rotation is off by {:.1f} deg",
-                              (R_body_left * fit.R_left_body).log().norm() * kDegrees),
-                  "calibrate the extrinsics again", file);
-  }
-  if (fit.scale < 0.1) {
-    findings.fail(
-        ExitCode::kData,
-        fmt::format("the gyro turns {:.1f} times faster than the images", 1.0 / fit.scale),
-        std::abs(fit.scale * kDegrees - 1.0) < 0.3
-            ? "it is in degrees per second; convert it to radians"
-            : "check the gyro's unit");
-  } else if (fit.correlation > 0.8 && std::abs(fit.scale - 1.0) > 0.08) {
-    findings.warn(
-        fmt::format("the images turn {:.2f} times as fast as the gyro", fit.scale),
-        fmt::format("the focal length seems to be wrong by about {:+.0f} %, or the gyro's "
-                    "scale",
-                    (1.0 / fit.scale - 1.0) * 100.0));
-  }
-  if (fit.correlation > 0.8 && std::abs(fit.time_offset_s) > 5e-3) {
-    findings.warn(
-        fmt::format("camera and IMU clocks differ by {:+.1f} ms", fit.time_offset_s * 1e3),
-        "the run estimates it; correct the stamps for best results");
-  }
+  judge_rotations(comparison, T_body_left.rotation(), findings);
+  judge_clock(comparison, findings);
+  judge_scale(compare_scale(probe.rotations(), samples, T_body_left, comparison.time_offset_s),
+              findings);
 }
 
 }  // namespace imslam::datasets

@@ -19,6 +19,7 @@ SolveReport report_of(const ceres::Solver::Summary& summary) {
   SolveReport report;
   report.converged = summary.termination_type == ceres::CONVERGENCE;
   report.reason = summary.message;
+  report.residuals = summary.num_residuals;
   report.initial_cost = summary.initial_cost;
   report.cost = summary.final_cost;
   if (summary.iterations.empty()) return report;

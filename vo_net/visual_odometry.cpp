@@ -11,6 +11,8 @@ namespace {
 
 constexpr double kPoorShare = 0.3;  // of the last good frame's points; fewer: the image is bad
 
+constexpr double kFading = 0.8;  // of that number, per bad frame: a new view may hold fewer
+
 class StopWatch {
  public:
   double seconds() {
@@ -121,10 +123,12 @@ VoOutput VisualOdometry::process(const StereoFrame& frame,
   output.correspondences = std::move(match.previous.correspondences);
   if (!output.motion.valid && is_poor(output.points.size())) {
     matcher_->forget_newest();
+    expected_points_ *= kFading;
     return output;
   }
   anchor_time_ns_ = frame.time_ns;
   anchor_points_ = output.points.size();
+  expected_points_ = static_cast<double>(anchor_points_);
   return output;
 }
 
@@ -143,8 +147,7 @@ void VisualOdometry::solve(const MatchResult& match, const lie::SE3d& predicted,
 
 bool VisualOdometry::is_poor(std::size_t points) const {
   const auto needed = static_cast<std::size_t>(options_.pose.min_inliers);
-  return points < needed ||
-         static_cast<double>(points) < kPoorShare * static_cast<double>(anchor_points_);
+  return points < needed || static_cast<double>(points) < kPoorShare * expected_points_;
 }
 
 std::optional<std::int64_t> VisualOdometry::anchor_time_ns() const {

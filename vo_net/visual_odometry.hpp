@@ -57,7 +57,8 @@ struct VoOutput {
 /// A frame with a missing image, or with far fewer points than the one before (black, covered,
 /// damaged), gives an invalid motion and is left out: the next frame is matched with the last good
 /// one and its motion spans the gap. A frame full of points that has nothing in common with the
-/// last one (a cut) becomes the new beginning.
+/// last one (a cut) becomes the new beginning. The longer nothing fits, the fewer points that
+/// takes.
 class VisualOdometry {
  public:
   VisualOdometry(const VoOptions& options, const StereoCamera& camera);
@@ -100,6 +101,7 @@ class VisualOdometry {
 
   std::int64_t anchor_time_ns_ = 0;  ///< of the last good frame
   std::size_t anchor_points_ = 0;    ///< seen in it; 0: there is none
+  double expected_points_ = 0.0;     ///< in a good frame, as far as is still known
   Eigen::Matrix<double, 6, 1> twist_ = Eigen::Matrix<double, 6, 1>::Zero();  ///< [m/s rad/s]
 };
 

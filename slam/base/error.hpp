@@ -18,7 +18,7 @@ enum class ExitCode : int {
   kEvaluation = 8,     ///< evaluation impossible: no matches, degenerate
   kResource = 9,       ///< memory or another limit reached
   kWarnings = 10,      ///< `check --strict`: warnings only
-  kInterrupted = 130,  ///< stopped by the user; the state is saved
+  kInterrupted = 130,  ///< stopped by a signal, the state is saved; the shell gets 128 + its number
 };
 
 /// The caller broke a contract (wrong shape, out-of-order call). A bug: never caught, only

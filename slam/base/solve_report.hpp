@@ -9,6 +9,7 @@ namespace imslam {
 struct SolveReport {
   bool converged = false;      ///< a tolerance was met; false: see `reason`
   int iterations = 0;          ///< accepted and rejected steps
+  int residuals = 0;           ///< scalar ones
   double initial_cost = 0.0;   ///< before the first step
   double cost = 0.0;           ///< at the returned point
   double gradient_norm = 0.0;  ///< largest entry of the gradient there: 0 at a stationary point

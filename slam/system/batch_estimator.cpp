@@ -7,6 +7,7 @@
 #include "pgo/paper_window.hpp"
 #include "pgo/pose_velocity_graph.hpp"
 #include "slam/base/time.hpp"
+#include "slam/system/conflicts.hpp"
 #include "slam/system/inertial_motions.hpp"
 #include "slam/system/inertial_start.hpp"
 
@@ -17,6 +18,8 @@ namespace {
 constexpr double kGyroBiasSettled = 1e-6;   // [rad/s]
 constexpr double kAccelBiasSettled = 1e-5;  // [m/s^2]
 constexpr double kTimeOffsetSettled_s = 1e-6;
+
+constexpr double kLongestBridge_s = 2.0;
 
 /// Builds and solves the graph; one object per run.
 class BatchEstimator {
@@ -90,13 +93,15 @@ class BatchEstimator {
     if (options_.system.preset == "paper") {
       estimate_as_published(start);
     } else {
-      estimate_tightly(std::move(start));
+      estimate_tightly(start);
     }
+    out_.conflict = rotation_conflicts(measurements_, start.inertial);
     return true;
   }
 
   /// Solve, integrate anew at the biases found, and again until they stand still.
-  void estimate_tightly(InertialStart start) {
+  /// Leaves the last integration in `start.inertial`.
+  void estimate_tightly(InertialStart& start) {
     std::vector<pgo::State> states = std::move(start.states);
     pgo::Globals globals;
     globals.time_offset_s = start.time_offset_s;
@@ -200,9 +205,15 @@ class BatchEstimator {
   }
 
   void mark_covered(const std::vector<ImuMotion>& motions) {
+    out_.imu_gap.assign(chain_.covered.size(), false);
+    std::int64_t seen_ns = measurements_.times_ns.front();
     for (std::size_t i = 0; i < motions.size(); ++i) {
-      if (motions[i].degraded || !motions[i].valid) ++out_.imu_gaps;
-      if (motions[i].valid && !motions[i].degraded) out_.covered[i + 1] = true;
+      const std::int64_t time_ns = measurements_.times_ns[i + 1];
+      const bool bridged = motions[i].valid && !motions[i].degraded;
+      out_.imu_gap[i + 1] = !bridged;
+      if (chain_.covered[i + 1]) seen_ns = time_ns;
+      out_.covered[i + 1] =
+          chain_.covered[i + 1] || (bridged && to_seconds(time_ns - seen_ns) <= kLongestBridge_s);
     }
   }
 

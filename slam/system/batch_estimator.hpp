@@ -23,7 +23,8 @@ struct BatchEstimate {
   std::optional<Estimate> focal_error;  ///< [1]
   std::optional<Estimate> time_offset_s;
   std::vector<float> position_sigma_m;  ///< per frame; empty if not asked for
-  std::size_t imu_gaps = 0;             ///< intervals with a gap or saturation
+  std::vector<bool> imu_gap;            ///< per frame: a gap or saturation since the one before
+  std::vector<bool> conflict;           ///< per frame: see rotation_conflicts()
   std::vector<bool> covered;            ///< per frame: measured, not extrapolated
   std::vector<std::string> warnings;
 };
@@ -33,7 +34,8 @@ struct BatchEstimate {
 /// `disparity_offset` is what the front end knows of the rectification error. With an IMU the start
 /// comes from gyro alignment and visual-inertial initialisation, never from ground truth; where
 /// that fails the graph is visual only and a warning says why. The IMU is integrated anew at the
-/// biases found until they stand still.
+/// biases found until they stand still. Where the IMU bridges what vision does not see, frames
+/// count as covered for two seconds: its errors grow with the cube of the time.
 BatchEstimate estimate_batch(const Measurements& measurements,
                              const Estimate& disparity_offset,
                              const SlamOptions& options);

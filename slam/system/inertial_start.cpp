@@ -13,6 +13,8 @@ namespace {
 
 /// Long enough for gravity to stand out, short enough for odometry not to have drifted.
 constexpr std::size_t kStretch = 200;  // [frames]
+/// Where a part of every long stretch is bad, a shorter one has to do.
+constexpr std::size_t kShortestStretch = 50;  // [frames]
 
 /// What vision says about each interval; a motion over several intervals is shared out evenly.
 std::vector<RelativeMotion> interval_motions(const Measurements& measurements,
@@ -87,15 +89,17 @@ InertialStart start_inertial(const Measurements& measurements,
 
   pgo::InitializationOptions initialization;
   initialization.gravity_magnitude = options.pgo.gravity_magnitude;
-  for (std::size_t first = 0; first < start.inertial.size(); first += kStretch) {
-    const std::size_t last = std::min(first + kStretch, start.inertial.size());
-    const auto found = pgo::initialize(slice(start.visual, first, last),
-                                       slice(start.inertial, first, last), initialization);
-    if (found.success) {
-      start.states = lay_chain(chain, first, found);
-      return start;
+  for (std::size_t stretch = kStretch; stretch >= kShortestStretch; stretch /= 2) {
+    for (std::size_t first = 0; first < start.inertial.size(); first += stretch) {
+      const std::size_t last = std::min(first + stretch, start.inertial.size());
+      const auto found = pgo::initialize(slice(start.visual, first, last),
+                                         slice(start.inertial, first, last), initialization);
+      if (found.success) {
+        start.states = lay_chain(chain, first, found);
+        return start;
+      }
+      if (start.reason.empty()) start.reason = found.reason;
     }
-    if (start.reason.empty()) start.reason = found.reason;
   }
   return start;
 }

@@ -1,9 +1,13 @@
 #include "slam/system/run_folder.hpp"
 
+#include <fcntl.h>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 #include <cctype>
+#include <cerrno>
 #include <ctime>
 #include <system_error>
 
@@ -25,16 +29,23 @@ void create(const fs::path& folder) {
   }
 }
 
-fs::path take_given(const fs::path& out, bool force) {
-  const bool occupied = fs::exists(out) && (!fs::is_directory(out) || !fs::is_empty(out));
-  const bool earlier_run = fs::exists(out / "manifest.json");
-  if (occupied && !(force && earlier_run)) {
-    throw InputError(fmt::format("{}: exists and is not empty; name another --out{}", out.string(),
-                                 earlier_run ? " or add --force to replace that run" : ""),
-                     ExitCode::kOutput);
-  }
-  create(out);
-  return out;
+/// The descriptor that holds the lock, released when the process ends however it ends; -1 where
+/// the file system knows no locks.
+int lock_folder(const fs::path& folder) {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0 || ::flock(descriptor, LOCK_EX | LOCK_NB) == 0) return descriptor;
+  const bool taken = errno == EWOULDBLOCK;
+  ::close(descriptor);
+  if (!taken) return -1;
+  throw InputError(
+      fmt::format("{}: another run is writing there; name another --out", folder.string()),
+      ExitCode::kOutput);
+}
+
+/// Hidden beside `final_place`, on the same file system.
+fs::path staging_beside(const fs::path& final_place) {
+  const std::string name = final_place.filename().string();
+  return final_place.parent_path() / fmt::format(".{}.{}.new", name, ::getpid()) / name;
 }
 
 }  // namespace
@@ -48,11 +59,58 @@ std::string safe_name(const std::string& name) {
   return safe.empty() ? "sequence" : safe;
 }
 
-fs::path make_run_folder(const fs::path& runs_root,
-                         const std::string& dataset,
-                         const fs::path& out,
-                         bool force) {
-  if (!out.empty()) return take_given(out, force);
+RunFolder::RunFolder(RunFolder&& other) noexcept
+    : path_(std::move(other.path_)),
+      replaced_(std::exchange(other.replaced_, {})),
+      lock_(std::exchange(other.lock_, -1)) {}
+
+RunFolder::~RunFolder() {
+  std::error_code ignored;
+  if (!replaced_.empty()) fs::remove_all(path_.parent_path(), ignored);
+  if (lock_ >= 0) ::close(lock_);
+}
+
+void RunFolder::publish() {
+  if (replaced_.empty()) return;
+  const fs::path final_place = std::exchange(replaced_, {});
+  const fs::path earlier = path_.parent_path() / "earlier";
+  std::error_code error;
+  fs::rename(final_place, earlier, error);
+  if (!error) fs::rename(path_, final_place, error);
+  if (error) {
+    std::error_code ignored;
+    fs::rename(earlier, final_place, ignored);
+    throw InputError(fmt::format("{}: cannot be replaced ({}); the run is in {}",
+                                 final_place.string(), error.message(), path_.string()),
+                     ExitCode::kOutput);
+  }
+  fs::remove_all(path_.parent_path(), error);
+  path_ = final_place;
+}
+
+RunFolder RunFolder::take(const fs::path& out, bool force) {
+  if (!fs::exists(out)) create(out);
+  const bool is_folder = fs::is_directory(out);
+  RunFolder taken(out, is_folder ? lock_folder(out) : -1);
+  if (is_folder && fs::is_empty(out)) return taken;
+  const bool earlier_run = fs::exists(out / "manifest.json");
+  if (!force || !earlier_run) {
+    throw InputError(fmt::format("{}: exists and is not empty; name another --out{}", out.string(),
+                                 earlier_run ? " or add --force to replace that run" : ""),
+                     ExitCode::kOutput);
+  }
+  const fs::path final_place = fs::canonical(out);
+  taken.path_ = staging_beside(final_place);
+  create(taken.path_);
+  taken.replaced_ = final_place;
+  return taken;
+}
+
+RunFolder make_run_folder(const fs::path& runs_root,
+                          const std::string& dataset,
+                          const fs::path& out,
+                          bool force) {
+  if (!out.empty()) return RunFolder::take(out, force);
   const std::time_t now = std::time(nullptr);
   const std::string base =
       fmt::format("{:%Y-%m-%d_%H-%M-%S}_{}", fmt::localtime(now), safe_name(dataset));
@@ -61,7 +119,7 @@ fs::path make_run_folder(const fs::path& runs_root,
     const fs::path folder = runs_root / (number == 1 ? base : fmt::format("{}_{}", base, number));
     std::error_code error;
     // create_directory says false if another process was faster: take the next number.
-    if (fs::create_directory(folder, error)) return folder;
+    if (fs::create_directory(folder, error)) return RunFolder(folder, lock_folder(folder));
     if (error) break;
   }
   throw InputError(fmt::format("{}: no run folder can be created there", runs_root.string()),

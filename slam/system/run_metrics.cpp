@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -9,6 +10,7 @@
 
 #include "slam/base/time.hpp"
 #include "slam/evaluation/evaluation_text.hpp"
+#include "slam/system/flagged_segments.hpp"
 #include "slam/system/resources.hpp"
 
 namespace imslam::system {
@@ -63,6 +65,19 @@ Json counter_block(const Counters& c) {
           {"vo_failures", c.vo_failures},       {"skip_edges", c.skip_edges},
           {"loop_edges", c.loop_edges},         {"imu_samples", c.imu_samples},
           {"imu_dropped", c.imu_dropped},       {"imu_gaps", c.imu_gaps}};
+}
+
+Json segment_list(const SlamResult& result) {
+  Json list = Json::array();
+  const auto& times_ns = result.graph.times_ns;
+  for (const FlaggedSegment& segment : flagged_segments(result.series)) {
+    if (segment.last >= times_ns.size()) continue;
+    list.push_back({{"kind", segment.kind},
+                    {"frames", segment.last - segment.first + 1},
+                    {"from_s", to_seconds(times_ns[segment.first] - times_ns.front())},
+                    {"to_s", to_seconds(times_ns[segment.last] - times_ns.front())}});
+  }
+  return list;
 }
 
 double path_length(const Trajectory& trajectory) {
@@ -133,24 +148,27 @@ Json metrics_json(const SlamResult& result,
                   const std::optional<RunEvaluation>& evaluation) {
   const auto frames = static_cast<double>(result.counters.frames);
   const auto poses = static_cast<double>(result.graph.size());
-  Json metrics = {{"dataset", summary.dataset},
-                  {"format", summary.format},
-                  {"frames", result.counters.frames},
-                  {"coverage", frames > 0 ? poses / frames : 0.0},
-                  {"frames_per_second", summary.wall_s > 0 ? frames / summary.wall_s : 0.0},
-                  {"peak_memory_mb", peak_memory_mb()},
-                  {"duration_s", duration_s(result.graph)},
-                  {"path_length_m", number(path_length(result.graph))},
-                  {"inertial", result.inertial},
-                  {"calibration", calibration_block(result)},
-                  {"counters", counter_block(result.counters)},
-                  {"timing_ms", timing_block(result.timing)},
-                  {"solver",
-                   {{"converged", result.solve.converged},
-                    {"iterations", result.solve.iterations},
-                    {"cost", number(result.solve.cost)},
-                    {"reason", result.solve.reason}}},
-                  {"warnings", result.warnings}};
+  Json metrics = {
+      {"dataset", summary.dataset},
+      {"format", summary.format},
+      {"frames", result.counters.frames},
+      {"coverage", frames > 0 ? poses / frames : 0.0},
+      {"frames_per_second", summary.wall_s > 0 ? frames / summary.wall_s : 0.0},
+      {"peak_memory_mb", peak_memory_mb()},
+      {"duration_s", duration_s(result.graph)},
+      {"path_length_m", number(path_length(result.graph))},
+      {"inertial", result.inertial},
+      {"calibration", calibration_block(result)},
+      {"counters", counter_block(result.counters)},
+      {"segments", segment_list(result)},
+      {"timing_ms", timing_block(result.timing)},
+      {"solver",
+       {{"converged", result.solve.converged},
+        {"iterations", result.solve.iterations},
+        {"cost", number(result.solve.cost)},
+        {"cost_per_residual", number(result.solve.cost / std::max(1, result.solve.residuals))},
+        {"reason", result.solve.reason}}},
+      {"warnings", result.warnings}};
   if (evaluation) {
     metrics["vo"] = error_block(evaluation->vo);
     metrics["graph"] = error_block(evaluation->graph);
@@ -171,6 +189,8 @@ Json series_json(const SlamResult& result, const std::optional<RunEvaluation>& e
   columns["time_s"] = std::move(times);
   columns["inliers"] = column(result.series.inliers);
   columns["degraded"] = column(result.series.degraded);
+  if (!result.series.imu_gap.empty()) columns["imu_gap"] = column(result.series.imu_gap);
+  if (!result.series.conflict.empty()) columns["conflict"] = column(result.series.conflict);
   columns["frame_ms"] = column(result.series.frame_ms);
   columns["memory_mb"] = column(result.series.memory_mb);
   if (!result.series.position_sigma_m.empty()) {

@@ -24,7 +24,7 @@ struct Estimate {
 struct Counters {
   std::size_t frames = 0;
   std::size_t frames_missing = 0;   ///< without a usable pair of images
-  std::size_t frames_degraded = 0;  ///< pose bridged without enough measurements
+  std::size_t frames_degraded = 0;  ///< pose extrapolated, or by the IMU alone for over 2 s
   std::size_t vo_failures = 0;      ///< usable images, but no motion found
   std::size_t skip_edges = 0;
   std::size_t loop_edges = 0;  ///< to views seen long before
@@ -37,6 +37,8 @@ struct Counters {
 struct FrameSeries {
   std::vector<std::uint16_t> inliers;
   std::vector<std::uint8_t> degraded;
+  std::vector<std::uint8_t> imu_gap;    ///< a gap or saturation since the frame before
+  std::vector<std::uint8_t> conflict;   ///< vision and gyro disagree about the way from there
   std::vector<float> position_sigma_m;  ///< empty if not asked for
   std::vector<float> frame_ms;
   std::vector<float> memory_mb;

@@ -6,6 +6,7 @@
 #include "imu_net/preintegration.hpp"
 #include "slam/base/error.hpp"
 #include "slam/system/batch_estimator.hpp"
+#include "slam/system/calibration_doubts.hpp"
 #include "slam/system/map_sampler.hpp"
 #include "slam/system/measurements.hpp"
 #include "slam/system/online_estimator.hpp"
@@ -21,6 +22,7 @@ class SlamSystem::State {
         const StereoCamera& camera,
         const std::optional<ImuNoise>& imu_noise)
       : options_(options),
+        camera_(camera),
         odometry_(options.vo, camera),
         online_(options),
         map_sampler_(camera, options.system),
@@ -131,6 +133,7 @@ class SlamSystem::State {
   }
 
   SlamOptions options_;
+  StereoCamera camera_;
   vo::VisualOdometry odometry_;
   OnlineEstimator online_;
   std::optional<vo::LoopCloser> loops_;  ///< empty: off
@@ -177,7 +180,10 @@ SlamResult SlamSystem::State::finish() {
   }
   result_.tracking_lost = 2 * result_.counters.frames_degraded > result_.counters.frames;
   result_.series.position_sigma_m = std::move(batch.position_sigma_m);
-  result_.counters.imu_gaps = batch.imu_gaps;
+  result_.series.imu_gap.assign(batch.imu_gap.begin(), batch.imu_gap.end());
+  result_.series.conflict.assign(batch.conflict.begin(), batch.conflict.end());
+  result_.counters.imu_gaps =
+      static_cast<std::size_t>(std::count(batch.imu_gap.begin(), batch.imu_gap.end(), true));
   result_.graph_data = std::move(batch.graph);
   result_.solve = batch.report;
   result_.inertial = batch.inertial;
@@ -186,6 +192,10 @@ SlamResult SlamSystem::State::finish() {
   result_.time_offset_s = batch.time_offset_s;
   result_.gravity_m_s2 = options_.pgo.gravity_magnitude;
   result_.warnings = std::move(batch.warnings);
+  if (inertial_) {
+    const auto doubts = calibration_doubts(measurements_, camera_);
+    result_.warnings.insert(result_.warnings.end(), doubts.begin(), doubts.end());
+  }
   return std::move(result_);
 }
 

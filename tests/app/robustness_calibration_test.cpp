@@ -28,6 +28,29 @@ class WrongCalibration : public ::testing::Test {
     EXPECT_NE(result.err.find(reason), std::string::npos) << result.err;
     EXPECT_FALSE(std::filesystem::exists(dir_.path() / "run" / "trajectory.tum"));
   }
+  /// Both check and run must say what is wrong.
+  void expect_warned(const std::string& reason) {
+    const auto checked = check("--strict");
+    EXPECT_EQ(checked.exit_code, 10) << checked.out;
+    EXPECT_NE(checked.out.find(reason), std::string::npos) << checked.out;
+    const auto spoiled = run();
+    EXPECT_NE(spoiled.err.find(reason), std::string::npos) << spoiled.exit_code << spoiled.err;
+    std::filesystem::remove_all(dir_.path() / "run");
+  }
+  void scale_focal_length(double factor) {
+    for (const int camera : {0, 1}) {
+      Chaos::replace_between(
+          chaos_.sensor_file(camera), "intrinsics: [", "]", [&](const std::string& text) {
+            const auto cells = split(text, ',');
+            std::string scaled;
+            for (std::size_t i = 0; i < 4; ++i) {
+              const double value = std::stod(std::string(cells.at(i)));
+              scaled += (i == 0 ? "" : ", ") + std::to_string(i < 2 ? factor * value : value);
+            }
+            return scaled;
+          });
+    }
+  }
   void set_intrinsics(const std::string& text) {
     Chaos::replace_between(chaos_.sensor_file(0), "intrinsics: [", "]",
                            [&](const std::string&) { return text; });
@@ -89,10 +112,51 @@ TEST_F(WrongCalibration, ImagesOfAnotherSizeAreRefused) {  // M11
   expect_refused("376x240");
 }
 
-TEST_F(WrongCalibration, AFocalLengthOffByAFifthIsFoundByCheck) {  // M11
-  for (const int camera : {0, 1}) {
-    Chaos::replace_between(chaos_.sensor_file(camera), "intrinsics: [", "]",
-                           [](const std::string&) { return "275, 275, 183.4, 123.9"; });
+TEST_F(WrongCalibration, AFocalLengthOffByATwentiethIsSurvived) {  // M11
+  for (const double factor : {0.95, 1.05}) {
+    scale_focal_length(factor);
+    const auto run = testing::run_checked(dir_, chaos_.folder(), "", std::to_string(factor));
+    EXPECT_LE(run.ate_m(), 0.05 * run.metrics.at("path_length_m").get<double>());
+    scale_focal_length(1.0 / factor);
+  }
+}
+
+TEST_F(WrongCalibration, AFocalLengthOffByAFifthIsSaidByCheckAndRun) {  // M11
+  for (const double factor : {0.8, 1.2}) {
+    scale_focal_length(factor);
+    expect_warned("focal length");
+    scale_focal_length(1.0 / factor);
+  }
+}
+
+TEST_F(WrongCalibration, ABaselineOffByAFactorOfTwoIsSaidByCheckAndRun) {  // M11
+  for (const double factor : {0.5, 2.0}) {
+    chaos_.scale_baseline(factor);
+    expect_warned("baseline");
+    chaos_.scale_baseline(1.0 / factor);
+  }
+}
+
+TEST_F(WrongCalibration, ANegativeBaselineIsRefused) {  // M11
+  chaos_.scale_baseline(-1.0);
+  expect_refused("exchanged");
+}
+
+TEST_F(WrongCalibration, InvertedExtrinsicsAreSaidByRun) {  // M11
+  chaos_.invert_extrinsics(0);
+  chaos_.invert_extrinsics(1);
+  const auto result = run();
+  EXPECT_NE(result.err.find("invert"), std::string::npos) << result.exit_code << result.err;
+}
+
+TEST_F(WrongCalibration, DistortionInAnotherOrderIsFoundByCheck) {  // M11
+  for (const int camera : {0, 1}) {                                 // p1 p2 k1 k2
+    Chaos::replace_between(chaos_.sensor_file(camera), "distortion_coefficients: [", "]",
+                           [](const std::string& text) {
+                             const auto cells = split(text, ',');
+                             return std::string(cells.at(2)) + "," + std::string(cells.at(3)) +
+                                    "," + std::string(cells.at(0)) + "," + std::string(cells.at(1));
+                           });
   }
   EXPECT_NE(check("--strict").exit_code, 0);
 }
@@ -109,6 +173,13 @@ TEST_F(WrongCalibration, RatesInDegreesAreFoundByCheck) {  // M15
   const auto result = check();
   EXPECT_EQ(result.exit_code, 3) << result.out;
   EXPECT_NE(result.out.find("deg"), std::string::npos) << result.out;
+}
+
+TEST_F(WrongCalibration, AccelerationWithoutGravityIsFoundByCheck) {  // M15
+  chaos_.scale_imu(1.0, 1e-3);
+  const auto result = check();
+  EXPECT_EQ(result.exit_code, 3) << result.out;
+  EXPECT_NE(result.out.find("gravity is missing"), std::string::npos) << result.out;
 }
 
 TEST_F(WrongCalibration, AClockThatLeapsIsFoundByCheck) {  // M9

@@ -1,11 +1,7 @@
-// `imslam run` and its surroundings: options, run folder, interruption, repetition, odd places.
-#include <fcntl.h>
+// `imslam run` and its surroundings: options, repetition, odd input.
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <thread>
 
 #include "tests/support/chaos.hpp"
 #include "tests/support/run_check.hpp"
@@ -132,47 +128,6 @@ TEST_F(RunCommand, LocaleTimeZoneAndPlaceChangeNothing) {  // T5
   EXPECT_EQ(testing::slurp(dir_.path() / "run" / "trajectory.tum"), first.trajectory);
 }
 
-// Interruption ---------------------------------------------------------------------------------
-
-/// Starts a run, sends `signal` after `delay_s` and returns its exit code.
-int interrupted_run(const std::string& dataset, const fs::path& out, int signal, double delay_s) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::close(STDOUT_FILENO);
-    ::open("/dev/null", O_WRONLY);
-    ::execl(IMSLAM_EXECUTABLE, "imslam", "--quiet", "run", dataset.c_str(), "--out", out.c_str(),
-            static_cast<char*>(nullptr));
-    ::_exit(127);
-  }
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-  while (!fs::exists(out) && std::chrono::steady_clock::now() < deadline) ::usleep(10'000);
-  std::this_thread::sleep_for(std::chrono::duration<double>(delay_s));
-  ::kill(child, signal);
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-}
-
-TEST_F(RunCommand, AnInterruptedRunLeavesAValidFolder) {  // D6
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    const fs::path out = dir_.path() / std::to_string(signal);
-    EXPECT_EQ(interrupted_run(base_.string(), out, signal, 0.3), 130) << signal;
-    testing::CheckedRun part;
-    testing::expect_complete_run(out, part);
-    EXPECT_GE(part.metrics.at("frames").get<int>(), 2);
-    EXPECT_LT(part.metrics.at("frames").get<int>(), 121);
-  }
-}
-
-TEST_F(RunCommand, AnInterruptionBeforeTheFirstMotionIsClean) {  // D6
-  for (const double delay_s : {0.0, 0.01, 0.03, 0.1}) {
-    const fs::path out = dir_.path() / std::to_string(delay_s);
-    EXPECT_EQ(interrupted_run(base_.string(), out, SIGINT, delay_s), 130) << delay_s;
-    const std::string poses = testing::slurp(out / "trajectory.tum");
-    if (!poses.empty()) testing::expect_poses(poses);
-  }
-}
-
 // Output ---------------------------------------------------------------------------------------
 
 TEST_F(RunCommand, ForeignFilesAreNeverReplaced) {
@@ -190,23 +145,6 @@ TEST_F(RunCommand, AnEarlierRunIsReplacedOnlyByForce) {
   EXPECT_EQ(refused.exit_code, 6);
   EXPECT_NE(refused.err.find("--force"), std::string::npos) << refused.err;
   EXPECT_EQ(run_base(std::string(kShort) + " --force").exit_code, 0);
-}
-
-TEST_F(RunCommand, OutputThatCannotBeWrittenIsCodeSix) {  // D4
-  for (const char* place : {"/proc/run", "/dev/null/run", "/sys/kernel/run"}) {
-    const auto result =
-        run_imslam(dir_, "run " + quoted(base_.string()) + " --out " + std::string(place));
-    EXPECT_EQ(result.exit_code, 6) << place << result.err;
-  }
-}
-
-TEST_F(RunCommand, AFullDiskIsCodeSix) {  // D4: files may not grow beyond 8 kB
-  const auto result = run_imslam(dir_, "run " + quoted(base_.string()) + " " + kShort + out(),
-                                 "trap '' XFSZ; ulimit -f 8;");
-  EXPECT_EQ(result.exit_code, 6) << result.err;
-  for (const auto& entry : fs::directory_iterator(dir_.path() / "run")) {
-    EXPECT_EQ(entry.path().string().find("tmp"), std::string::npos) << entry.path();
-  }
 }
 
 // Input ----------------------------------------------------------------------------------------

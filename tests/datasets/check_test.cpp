@@ -135,7 +135,7 @@ TEST_F(CheckTiny, WarnsOfAFocalLengthThatIsOffByAFifth) {
   for (const std::string wrong : {"176", "264"}) {
     write_text(sequence_ / "calib.txt", good);
     replace("calib.txt", " 220 ", " " + wrong + " ");
-    expect_finding(check(), Severity::kWarning, "the focal length seems to be wrong by about");
+    expect_finding(check(), Severity::kWarning, "the focal length seems to be wrong");
   }
 }
 

@@ -4,55 +4,23 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "slam/base/random.hpp"
-#include "slam/base/text.hpp"
+#include "tests/support/chaos_tables.hpp"
 
 namespace imslam::testing {
 
-/// Spoils a copy of a EuRoC folder in the ways recordings go wrong. The same seed and calls always
-/// make the same damage. Text files are copies, unchanged images links: making one takes
-/// milliseconds. Times are seconds since the first left image; intervals are half open.
-class Chaos {
+/// Spoils a copy of a EuRoC folder in the ways recordings go wrong: tables, images, calibration.
+class Chaos : public ChaosTables {
  public:
+  using ChaosTables::ChaosTables;
+
   enum class Side { kLeft, kRight, kBoth };
-  struct Span {
-    double from_s;
-    double to_s;
-  };
-  using Lines = std::vector<std::string>;
-  using Reading = std::array<std::string, 6>;  ///< gyro [rad/s], accelerometer [m/s^2] as text
   using Pixels = std::function<void(cv::Mat&, Random&)>;
-
-  Chaos(const std::filesystem::path& base, std::filesystem::path folder, std::uint64_t seed = 1)
-      : folder_(std::move(folder)), random_(seed) {
-    namespace fs = std::filesystem;
-    fs::create_directories(folder_);
-    for (const auto& entry : fs::recursive_directory_iterator(fs::absolute(base))) {
-      const fs::path copy = folder_ / fs::relative(entry.path(), base);
-      if (entry.is_directory()) {
-        fs::create_directories(copy);
-      } else if (entry.path().extension() == ".png") {
-        fs::create_symlink(entry.path(), copy);
-      } else {
-        fs::copy_file(entry.path(), copy);
-      }
-    }
-    start_ns_ = stamp(read_lines(left_csv()).at(1));
-  }
-
-  const std::filesystem::path& folder() const { return folder_; }
-  std::filesystem::path mav0() const { return folder_ / "mav0"; }
-  std::filesystem::path left_csv() const { return mav0() / "cam0" / "data.csv"; }
-  std::filesystem::path right_csv() const { return mav0() / "cam1" / "data.csv"; }
-  std::filesystem::path imu_csv() const { return mav0() / "imu0" / "data.csv"; }
+  using FramePixels = std::function<void(cv::Mat&, int frame, Random&)>;
 
   // Images -------------------------------------------------------------------------------------
 
@@ -86,14 +54,37 @@ class Chaos {
     change_bytes(side, share, [&](std::string& bytes) { bytes = content; });
   }
 
-  /// `pixels` changes the decoded image in place.
+  /// `pixels` changes the decoded image in place, or puts another one there.
   void paint(Side side, Span span, const Pixels& pixels) {
-    for_images(side, span, [&](const auto& file) {
-      cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
-      pixels(image, random_);
-      std::filesystem::remove(file);
-      cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1});
-    });
+    paint_frames(side, span, [&](cv::Mat& image, int, Random& random) { pixels(image, random); });
+  }
+
+  /// Likewise, told the number of the frame within the span.
+  void paint_frames(Side side, Span span, const FramePixels& pixels) {
+    for (const Side one : {Side::kLeft, Side::kRight}) {
+      if (side != one && side != Side::kBoth) continue;
+      int frame = 0;
+      for_images(one, span, [&](const auto& file) {
+        cv::Mat image = cv::imread(file.string(), cv::IMREAD_GRAYSCALE);
+        pixels(image, frame++, random_);
+        std::filesystem::remove(file);
+        cv::imwrite(file.string(), image, {cv::IMWRITE_PNG_COMPRESSION, 1});
+      });
+    }
+  }
+
+  /// The images within `span` are shown in reverse; stamps and IMU go on forwards.
+  void reverse_images(Span span) {
+    for (const Side side : {Side::kLeft, Side::kRight}) {
+      std::vector<std::filesystem::path> files;
+      for_images(side, span, [&](const auto& file) { files.push_back(file); });
+      const auto spare = mav0() / "spare";
+      for (std::size_t i = 0, k = files.size(); i + 1 < k; ++i, --k) {
+        std::filesystem::rename(files[i], spare);
+        std::filesystem::rename(files[k - 1], files[i]);
+        std::filesystem::rename(spare, files[k - 1]);
+      }
+    }
   }
 
   /// The images change places, calibration and index stay.
@@ -104,98 +95,28 @@ class Chaos {
     std::filesystem::rename(spare, mav0() / "cam1" / "data");
   }
 
-  // Tables -------------------------------------------------------------------------------------
-
-  /// `change` gets the lines below the header.
-  static void edit(const std::filesystem::path& csv, const std::function<void(Lines&)>& change) {
-    Lines lines = read_lines(csv);
-    const std::string header = lines.at(0);
-    lines.erase(lines.begin());
-    change(lines);
-    std::string text = header + "\n";
-    for (const std::string& line : lines) text += line + "\n";
-    write(csv, text);
-  }
-
-  void swap_neighbours(const std::filesystem::path& csv, int count) {
-    edit(csv, [&](Lines& lines) {
-      for (int i = 0; i < count; ++i) {
-        const auto at = static_cast<std::size_t>(random_.integer(0, last_index(lines) - 1));
-        std::swap(lines[at], lines[at + 1]);
-      }
-    });
-  }
-
-  void repeat_lines(const std::filesystem::path& csv, double share) {
-    edit(csv, [&](Lines& lines) {
-      Lines repeated;
-      for (const std::string& line : lines) {
-        repeated.insert(repeated.end(), random_.chance(share) ? 2 : 1, line);
-      }
-      lines = std::move(repeated);
-    });
-  }
-
-  void cut_lines(const std::filesystem::path& csv, Span span) {
-    edit(csv, [&](Lines& lines) {
-      Lines kept;
-      for (const std::string& line : lines) {
-        if (!inside(span, line)) kept.push_back(line);
-      }
-      lines = std::move(kept);
-    });
-  }
-
-  /// Stamps become `factor` * t + `shift_ns` from `from_s` on: clock jumps and other units.
-  void move_stamps(const std::filesystem::path& csv,
-                   double from_s,
-                   std::int64_t shift_ns,
-                   double factor = 1.0) {
-    edit(csv, [&](Lines& lines) {
-      for (std::string& line : lines) {
-        const std::int64_t old_ns = stamp(line);
-        if (seconds(old_ns) < from_s) continue;
-        const auto scaled = factor == 1.0
-                                ? old_ns
-                                : static_cast<std::int64_t>(static_cast<double>(old_ns) * factor);
-        line = std::to_string(scaled + shift_ns) + line.substr(line.find(','));
-      }
-    });
-  }
-
-  /// Takes out a piece of the recording and closes the gap in time, as if spliced from two.
-  void splice(Span span) {
-    const auto gap_ns = -static_cast<std::int64_t>((span.to_s - span.from_s) * 1e9);
-    for (const auto& csv : {left_csv(), right_csv(), imu_csv(),
-                            mav0() / "state_groundtruth_estimate0" / "data.csv"}) {
-      cut_lines(csv, span);
-      move_stamps(csv, span.to_s, gap_ns);
+  /// From `at_s` on, images, IMU and truth are those of another recording by the same rig.
+  void follow_with(const Chaos& other, double at_s) {
+    namespace fs = std::filesystem;
+    const std::int64_t shift_ns =
+        start_ns_ + static_cast<std::int64_t>(at_s * 1e9) - other.start_ns_;
+    for (const char* name : {"cam0", "cam1", "imu0", "state_groundtruth_estimate0"}) {
+      const fs::path csv = mav0() / name / "data.csv";
+      cut_lines(csv, {at_s, 1e9});
+      const Lines foreign = read_lines(other.mav0() / name / "data.csv");
+      edit(csv, [&](Lines& lines) {
+        for (std::size_t i = 1; i < foreign.size(); ++i) {
+          if (stamp(foreign[i]) < other.start_ns_) continue;
+          const auto rest = foreign[i].substr(foreign[i].find(','));
+          const std::string time = std::to_string(stamp(foreign[i]) + shift_ns);
+          const fs::path image = other.mav0() / name / "data" / rest.substr(1);
+          const bool is_image = name[0] == 'c';
+          const std::string cell = is_image ? ",other_" + time + ".png" : rest;
+          if (is_image) fs::copy_symlink(image, mav0() / name / "data" / cell.substr(1));
+          lines.push_back(time + cell);
+        }
+      });
     }
-  }
-
-  // IMU ----------------------------------------------------------------------------------------
-
-  void edit_imu(Span span, const std::function<void(Reading&)>& change) {
-    edit(imu_csv(), [&](Lines& lines) {
-      for (std::string& line : lines) {
-        if (!inside(span, line)) continue;
-        const auto cells = split(line, ',');
-        Reading reading;
-        for (std::size_t i = 0; i < reading.size(); ++i) reading.at(i) = cells.at(i + 1);
-        change(reading);
-        line = std::string(cells.at(0));
-        for (const std::string& value : reading) line += "," + value;
-      }
-    });
-  }
-
-  void scale_imu(double gyro_factor, double accel_factor) {
-    edit_imu(everything(), [&](Reading& reading) {
-      for (std::size_t i = 0; i < reading.size(); ++i) {
-        const double factor = i < 3 ? gyro_factor : accel_factor;
-        reading.at(i) = std::to_string(std::stod(reading.at(i)) * factor);
-      }
-    });
   }
 
   // Calibration --------------------------------------------------------------------------------
@@ -247,38 +168,24 @@ class Chaos {
     });
   }
 
-  static constexpr Span everything() { return {-1e9, 1e9}; }
-
-  static std::string read(const std::filesystem::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  }
-
-  static void write(const std::filesystem::path& file, const std::string& content) {
-    std::filesystem::remove(file);  // never through a link into the base
-    std::ofstream(file, std::ios::binary) << content;
+  /// Moves the right camera along the line between the two.
+  void scale_baseline(double factor) {
+    std::array<double, 16> left = {};
+    edit_extrinsics(0, [&](std::array<double, 16>& T) { left = T; });
+    edit_extrinsics(1, [&](std::array<double, 16>& T) {
+      for (const std::size_t i : {3U, 7U, 11U})
+        T.at(i) = left.at(i) + factor * (T.at(i) - left.at(i));
+    });
   }
 
  private:
-  template <typename Container>
-  static std::int64_t last_index(const Container& container) {
-    return static_cast<std::int64_t>(container.size()) - 1;
-  }
-
-  static Lines read_lines(const std::filesystem::path& csv) {
-    std::ifstream stream(csv);
-    Lines lines;
-    for (std::string line; std::getline(stream, line);) lines.push_back(line);
-    return lines;
-  }
-
-  static std::int64_t stamp(const std::string& line) { return std::stoll(line); }
-  double seconds(std::int64_t time_ns) const {
-    return static_cast<double>(time_ns - start_ns_) * 1e-9;
-  }
-  bool inside(Span span, const std::string& line) const {
-    const double s = seconds(stamp(line));
-    return s >= span.from_s && s < span.to_s;
+  void change_bytes(Side side, double share, const std::function<void(std::string&)>& change) {
+    for_images(side, [&](const auto& file) {
+      if (!random_.chance(share)) return;
+      std::string bytes = read(file);
+      change(bytes);
+      write(file, bytes);
+    });
   }
 
   /// Calls `act` with the image files within `span` in the order of their stamps.
@@ -297,19 +204,6 @@ class Chaos {
   void for_images(Side side, Act&& act) {
     for_images(side, everything(), act);
   }
-
-  void change_bytes(Side side, double share, const std::function<void(std::string&)>& change) {
-    for_images(side, [&](const auto& file) {
-      if (!random_.chance(share)) return;
-      std::string bytes = read(file);
-      change(bytes);
-      write(file, bytes);
-    });
-  }
-
-  std::filesystem::path folder_;
-  Random random_;
-  std::int64_t start_ns_ = 0;
 };
 
 }  // namespace imslam::testing

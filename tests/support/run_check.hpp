@@ -64,6 +64,11 @@ inline int expect_poses(const std::string& text) {
   return poses;
 }
 
+/// A body that does not move leaves some figures undefined; the others are checked elsewhere.
+inline bool stood_still(const nlohmann::json& metrics) {
+  return metrics.at("path_length_m").get<double>() < 0.3;
+}
+
 /// All files of a run folder, every number in them finite, a pose per frame.
 inline void expect_complete_run(const std::filesystem::path& folder, CheckedRun& run) {
   for (const char* name :
@@ -74,7 +79,7 @@ inline void expect_complete_run(const std::filesystem::path& folder, CheckedRun&
   run.trajectory = slurp(folder / "trajectory.tum");
   run.metrics = nlohmann::json::parse(slurp(folder / "metrics.json"), nullptr, false);
   ASSERT_TRUE(run.metrics.is_object()) << run.command.err;
-  expect_defined(run.metrics, "metrics");
+  if (!stood_still(run.metrics)) expect_defined(run.metrics, "metrics");
   EXPECT_EQ(expect_poses(run.trajectory), run.metrics.at("frames").get<int>());
   expect_poses(slurp(folder / "vo_only.tum"));
   EXPECT_EQ(run.metrics.at("coverage").get<double>(), 1.0);
@@ -106,36 +111,42 @@ inline CheckedRun run_checked(const TempDir& dir,
   return run;
 }
 
-/// The unspoiled sequence and a run on it.
+/// The unspoiled sequences and a run on the first one.
 struct SimulatedBase {
   std::filesystem::path sequence;
   std::filesystem::path clean_run;
+  std::filesystem::path long_sequence;
 };
 
-inline void make_base(const SimulatedBase& base) {
-  const std::string quiet = " --quiet >/dev/null 2>&1 </dev/null";
-  const auto fresh = base.sequence.parent_path() / "fresh";
-  const std::string simulate =
-      quoted(IMSLAM_EXECUTABLE) + " simulate " + quoted(fresh.string()) +
-      " --set duration_s=6 rest_s=0.5 speed=1.5 camera.width=376 camera.height=240"
-      " imu.shape_scale=0 antialias=false" +
-      quiet;
-  const std::string run = quoted(IMSLAM_EXECUTABLE) + " run " + quoted(base.sequence.string()) +
-                          " --out " + quoted(base.clean_run.string()) + quiet;
+/// `keys`: "key=value key=value".
+inline void simulate_small(const std::filesystem::path& out, const std::string& keys) {
+  const std::string simulate = quoted(IMSLAM_EXECUTABLE) + " simulate " + quoted(out.string()) +
+                               " --set imu.shape_scale=0 antialias=false " + keys +
+                               " --quiet >/dev/null 2>&1 </dev/null";
   ASSERT_EQ(std::system(simulate.c_str()), 0);
-  std::filesystem::rename(fresh, base.sequence);
+}
+
+inline void make_base(const SimulatedBase& base) {
+  simulate_small(base.sequence,
+                 "duration_s=6 rest_s=0.5 speed=1.5 camera.width=376 camera.height=240");
+  simulate_small(base.long_sequence,
+                 "duration_s=18 rest_s=0.5 frame_rate_hz=10 camera.width=320 camera.height=204");
+  const std::string run = quoted(IMSLAM_EXECUTABLE) + " run " + quoted(base.sequence.string()) +
+                          " --out " + quoted(base.clean_run.string()) +
+                          " --quiet >/dev/null 2>&1 </dev/null";
   ASSERT_EQ(std::system(run.c_str()), 0);
 }
 
 /// Made by the executable under test, once per build of it however many processes share it: 6 s in
-/// a room at 20 Hz, about 5 m, small images, an IMU with noise and bias but no errors of scale.
+/// a room at 20 Hz, about 5 m, and 18 s at 10 Hz. Small images, an IMU with noise and bias but no
+/// errors of scale.
 inline SimulatedBase simulated_base() {
   namespace fs = std::filesystem;
   const fs::path cache = IMSLAM_TEST_CACHE;
   fs::create_directories(cache);
   const auto age = fs::last_write_time(IMSLAM_EXECUTABLE).time_since_epoch().count();
   const fs::path home = cache / std::to_string(age);
-  const SimulatedBase base = {home / "sequence", home / "clean"};
+  const SimulatedBase base = {home / "sequence", home / "clean", home / "long"};
   const int lock = ::open((cache / "lock").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
   ::flock(lock, LOCK_EX);
   if (!fs::exists(base.clean_run / "report.html")) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
@@ -125,6 +126,29 @@ TEST(VisualOdometry, StartsAnewAfterACut) {
       EXPECT_EQ(odometry.anchor_time_ns(), time_of_frame(3));
     }
     if (i > 3) expect_motion(output.motion, true_motion(camera, i - 1, i), 1e-3, 3e-4);
+  }
+}
+
+TEST(VisualOdometry, IsNotLostForeverAfterACutToAnEmptierScene) {
+  const StereoCamera camera = small_camera();
+  const PlaneWorld before(17);
+  const PlaneWorld after(18);
+  VisualOdometry odometry(small_options(), camera);
+  for (int i = 0; i < 12; ++i) {
+    const bool cut = i >= 3;
+    StereoFrame frame = (cut ? after : before).draw(camera, pose_of_frame(i), time_of_frame(i));
+    const auto most = static_cast<std::ptrdiff_t>(frame.left.pixels.size() * 6 / 7);
+    for (GrayImage* image : {&frame.left, &frame.right}) {
+      if (cut) std::fill(image->pixels.begin(), image->pixels.begin() + most, std::uint8_t{128});
+    }
+    const VoOutput output = odometry.process(frame);
+    if (cut) {
+      EXPECT_LT(output.points.size(), 75U);
+    }
+    if (i == 11) {  // a strip of a plane says little about the motion, but it says something again
+      EXPECT_TRUE(output.motion.valid);
+      EXPECT_EQ(output.motion.time0_ns, time_of_frame(10));
+    }
   }
 }
 
