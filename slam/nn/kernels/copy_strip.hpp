@@ -5,28 +5,60 @@
 namespace imslam::nn::kernels {
 namespace {
 
-void copy_channels(const float* from, int channels, int pitch, float* to) {
-  if (channels == kBlock) {
+EIGEN_ALWAYS_INLINE void copy_block(const float* from, float* to) {
 #pragma GCC unroll 4
-    for (int c = 0; c < kBlock; c += kLanes) pstoreu(to + c, load(from + c));
-    return;
-  }
-  for (int c = 0; c < channels; ++c) to[c] = from[c];
-  for (int c = channels; c < pitch; ++c) to[c] = 0;
+  for (int c = 0; c < kBlock; c += kLanes) pstoreu(to + c, load(from + c));
 }
 
-/// One row of one block; `from` is null where the row lies outside of the image.
-void copy_row(const StripCopy& copy, const float* from, int channels, float* to) {
+/// A block that is not full, with zeros behind its channels.
+EIGEN_ALWAYS_INLINE void copy_part(const float* from, int channels, float* to) {
+#pragma GCC unroll 4
+  for (int c = 0; c < kBlock; c += kLanes) {
+    const int lanes = channels - c < kLanes ? channels - c : kLanes;
+    pstoreu(to + c, lanes > 0 ? load_lanes(from + c, lanes) : pset1<Packet>(0.0F));
+  }
+}
+
+/// Few channels, not in blocks.
+void copy_small_pixels(const StripCopy& copy, const float* from, int count, float* to) {
+  const std::ptrdiff_t step = std::ptrdiff_t{copy.stride} * copy.channels;
+  if (copy.pixel_pitch == 1) {
+    for (int i = 0; i < count; ++i) to[i] = from[i * step];
+    return;
+  }
+  for (int i = 0; i < count; ++i, from += step, to += copy.pixel_pitch) {
+    for (int c = 0; c < copy.channels; ++c) to[c] = from[c];
+  }
+}
+
+/// Pixels u = remainder, remainder + stride, ... of one row; `from` is the row's first pixel, null
+/// outside of the image.
+void copy_lane(const StripCopy& copy, const float* from, int remainder, int channels, float* to) {
   const int pitch = copy.pixel_pitch;
-  for (int remainder = 0; remainder < copy.stride; ++remainder, to += copy.lane_columns * pitch) {
-    float* pixel = to;
-    for (int u = remainder; u < copy.columns; u += copy.stride, pixel += pitch) {
-      const int x = copy.first_column + u;
-      const bool inside = from != nullptr && x >= 0 && x < copy.width;
-      if (inside) copy_channels(from + std::ptrdiff_t{x} * copy.channels, channels, pitch, pixel);
-      if (!inside) copy_channels(nullptr, 0, pitch, pixel);
+  const int pixels = (copy.columns - remainder + copy.stride - 1) / copy.stride;
+  const int first = copy.first_column + remainder;  // column of the image
+  const auto clamp = [pixels](int i) { return i < 0 ? 0 : (i > pixels ? pixels : i); };
+  const auto cells = [&copy](int columns) {
+    return columns <= 0 ? 0 : (columns + copy.stride - 1) / copy.stride;
+  };
+  const int begin = from == nullptr ? pixels : clamp(cells(-first));
+  const int end = from == nullptr ? pixels : clamp(cells(copy.width - first));
+  for (int i = 0; i < begin * pitch; ++i) to[i] = 0;
+  if (begin < end) {
+    from += (std::ptrdiff_t{first} + std::ptrdiff_t{begin} * copy.stride) * copy.channels;
+    const std::ptrdiff_t step = std::ptrdiff_t{copy.stride} * copy.channels;
+    float* pixel = to + begin * pitch;
+    if (pitch < kBlock) {
+      copy_small_pixels(copy, from, end - begin, pixel);
+    } else if (channels == kBlock) {
+      for (int i = begin; i < end; ++i, from += step, pixel += kBlock) copy_block(from, pixel);
+    } else {
+      for (int i = begin; i < end; ++i, from += step, pixel += kBlock) {
+        copy_part(from, channels, pixel);
+      }
     }
   }
+  for (int i = end * pitch; i < pixels * pitch; ++i) to[i] = 0;
 }
 
 template <int Q>
@@ -68,7 +100,10 @@ void copy_strip(const StripCopy& copy) {
     for (int c = 0, b = 0; c < copy.channels; c += kBlock, ++b) {
       const int channels = copy.channels - c < kBlock ? copy.channels - c : kBlock;
       float* to = copy.packed + b * copy.block_pitch + r * copy.row_pitch;
-      copy_row(copy, inside ? row + c : nullptr, channels, to);
+      for (int remainder = 0; remainder < copy.stride; ++remainder) {
+        copy_lane(copy, inside ? row + c : nullptr, remainder, channels, to);
+        to += std::ptrdiff_t{copy.lane_columns} * copy.pixel_pitch;
+      }
     }
   }
 }

@@ -37,9 +37,9 @@ struct StripCopy {
 struct RowProduct {
   const float* input;
   int pixel_pitch;
-  int blocks, last_channels;  ///< all blocks but the last have kBlock channels
+  int blocks, last_channels;  ///< all blocks but the last have kBlock channels; few: see taps
   std::ptrdiff_t block_pitch;
-  const std::ptrdiff_t* taps;
+  const std::ptrdiff_t* taps;  ///< where pixel_pitch < kBlock: of each channel
   int tap_count;
   const float* weights;  ///< [blocks, taps, channels, packets * lanes]
   const float* bias;     ///< [packets * lanes]

@@ -40,7 +40,7 @@ void tile_product(const RowProduct& row, int first_pixel) {
   const float* w = row.weights;
   const float* plane = row.input + first_pixel * kPitch;
   for (int b = 1; b <= row.blocks; ++b, plane += row.block_pitch) {
-    const int channels = b < row.blocks ? kBlock : row.last_channels;
+    const int channels = kPitch < kBlock ? 1 : (b < row.blocks ? kBlock : row.last_channels);
     for (int tap = 0; tap < row.tap_count; ++tap) {
       const float* x = plane + row.taps[tap];
       for (int c = 0; c < channels; ++c, ++x, w += Q * kLanes) {

@@ -47,7 +47,7 @@ void multiply_group(const Job& job,
   row.last_channels = job.grid.last_channels();
   row.block_pitch = job.grid.block_pitch();
   row.taps = phase.taps;
-  row.tap_count = phase.tap_count;
+  row.tap_count = phase.tap_count * job.grid.channels_as_taps();
   row.weights =
       phase.weights + std::ptrdiff_t{group.first_channel} * phase.tap_count * c.in_channels;
   row.bias = job.packed_weights + group.first_channel;
@@ -82,7 +82,7 @@ void convolve_strip(const Job& job, const Strip& strip, float* packed) {
       for (int g = 0; g < job.groups.count() && phase.columns > 0; ++g) {
         multiply_group(job, strip, phase, job.groups.group(g), packed);
       }
-      phase.taps += phase.tap_count;
+      phase.taps += phase.tap_count * job.grid.channels_as_taps();
       phase.weights += std::ptrdiff_t{phase.tap_count} * c.in_channels * job.groups.padded();
     }
   }
@@ -95,8 +95,10 @@ void place_taps(const StripConvolution& convolution, const StripGrid& grid, std:
       const AxisTaps columns = convolution.horizontal.taps(j);
       for (int k = 0; k < rows.count; ++k) {
         for (int l = 0; l < columns.count; ++l) {
-          *to++ = grid.tap_position(rows.first_offset + k * rows.offset_step,
-                                    columns.first_offset + l * columns.offset_step);
+          const std::ptrdiff_t tap =
+              grid.tap_position(rows.first_offset + k * rows.offset_step,
+                                columns.first_offset + l * columns.offset_step);
+          for (int c = 0; c < grid.channels_as_taps(); ++c) *to++ = tap + c;
         }
       }
     }
@@ -141,9 +143,10 @@ void convolve_strips(const StripConvolution& convolution,
                      float* y,
                      Workspace& workspace) {
   const int all_taps = convolution.vertical.kernel * convolution.horizontal.kernel;
-  std::ptrdiff_t* taps = workspace.positions(static_cast<std::size_t>(all_taps));
   const StripGrid grid(convolution.vertical, convolution.horizontal, convolution.batch,
                        convolution.in_channels, kMostColumns, kStripCells);
+  std::ptrdiff_t* taps =
+      workspace.positions(static_cast<std::size_t>(all_taps * grid.channels_as_taps()));
   place_taps(convolution, grid, taps);
   const Job job{convolution,    table, ChannelGroups(convolution.out_channels, table),
                 grid,           x,     packed_weights,

@@ -34,6 +34,8 @@ class StripGrid {
   int pixel_pitch() const { return pixel_pitch_; }
   int blocks() const { return blocks_; }
   int last_channels() const { return channels_ - (blocks_ - 1) * kBlock; }
+  /// Few channels are so many taps of one channel each: the kernel's loop over them would be short.
+  int channels_as_taps() const { return pixel_pitch_ < kBlock ? channels_ : 1; }
   int strip_rows() const { return strip_rows_; }
   int strip_columns() const { return strip_columns_; }
   std::ptrdiff_t row_pitch() const { return row_pitch_; }
