@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <string>
 #include <thread>
 #include <vector>
@@ -49,14 +50,22 @@ double giga_operations(const ConvolutionShape& shape) {
   return 2e-9 * double(shape.output_size()) * double(shape.weight_size()) / shape.out_channels;
 }
 
-/// Seconds of each repeat, sorted.
+/// [s] Of one thread its own processor time, so that time lent to other programs does not count; of
+/// several threads wall time.
+double now(int threads) {
+  timespec time{};
+  clock_gettime(threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &time);
+  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
+}
+
+/// Seconds of each repeat.
 class Times {
  public:
+  explicit Times(int threads) : threads_(threads) {}
   void measure(const std::function<void()>& call) {
-    const auto start = std::chrono::steady_clock::now();
+    const double start = now(threads_);
     call();
-    seconds_.push_back(
-        std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+    seconds_.push_back(now(threads_) - start);
   }
   double minimum() const { return *std::min_element(seconds_.begin(), seconds_.end()); }
   double median() const {
@@ -66,6 +75,7 @@ class Times {
   }
 
  private:
+  int threads_;
   std::vector<double> seconds_;
 };
 
@@ -83,9 +93,10 @@ void measure_round(const std::function<void()>& call, int calls, Times& times) {
 std::pair<Measured, Measured> compare(const std::function<void()>& ours,
                                       const std::function<void()>& yardstick,
                                       double operations,
+                                      int threads,
                                       int rounds) {
   constexpr int kCalls = 5;
-  Times our_times, yardstick_times;
+  Times our_times(threads), yardstick_times(threads);
   for (int round = 0; round < rounds; ++round) {
     measure_round(ours, kCalls, our_times);
     if (yardstick) measure_round(yardstick, kCalls, yardstick_times);
@@ -148,7 +159,7 @@ void run(const std::string& wanted, int threads, int rounds) {
     for (const Pass pass : {Pass::kForward, Pass::kBackwardData, Pass::kBackwardWeights}) {
       Arrays arrays(shape);
       const auto [ours, yardstick] = compare(arrays.call(pass), onednn_convolution(shape, pass),
-                                             giga_operations(shape), rounds);
+                                             giga_operations(shape), threads, rounds);
       std::printf("%-24s %-17s %6.1f (%6.1f)  %6.1f (%6.1f)  %5.2f\n", title,
                   kPasses[static_cast<int>(pass)], ours.best, ours.median, yardstick.best,
                   yardstick.median, yardstick.best > 0 ? ours.best / yardstick.best : 0.0);

@@ -11,8 +11,8 @@ namespace imslam::nn {
 namespace kernels {
 namespace {
 
-constexpr int kMostColumns = 80;
-constexpr int kStripCells = 160;   // pixels that a tile of sums takes between load and store
+// A tile of sums takes 160 pixels between its load and its store.
+constexpr StripLimits kLimits = {80, 160, 0};
 constexpr int kChunkPixels = 512;  // a chunk has its own sums, so it should not be small
 constexpr int kMostChunks = 16;
 
@@ -110,13 +110,13 @@ void unpack(const Job& job, const float* sums, float* dw, float* db) {
 void sum_outer_products(const Job& job, float* dw, float* db) {
   const std::size_t size = job.sums_size();
   const int strips = job.grid.count();
-  const double pixels = double(strips) * job.grid.strip_rows() * job.grid.strip_columns();
+  const double pixels = double(strips) * job.grid.most_rows() * job.grid.longest_row();
   const int chunks = std::min(
       strips, static_cast<int>(std::clamp(pixels / kChunkPixels, 1.0, double(kMostChunks))));
   float* const sums = job.workspace.buffer(1, size * static_cast<std::size_t>(chunks));
   const auto chunk = [&job, sums, size, strips, chunks](std::size_t index) {
-    const std::size_t dy_size = static_cast<std::size_t>(job.grid.strip_rows()) *
-                                static_cast<std::size_t>(job.grid.strip_columns()) *
+    const std::size_t dy_size = static_cast<std::size_t>(job.grid.most_rows()) *
+                                static_cast<std::size_t>(job.grid.longest_row()) *
                                 static_cast<std::size_t>(kMaxPackets * job.groups.lanes());
     const Workspace::Lease packed(job.workspace, job.grid.packed_size() + dy_size);
     float* const own = sums + index * size;
@@ -147,7 +147,7 @@ void convolution_backward_weights(const ConvolutionShape& shape,
   const auto convolution = kernels::StripConvolution::forward(shape);
   const kernels::KernelTable& table = kernels::selected_kernels();
   const kernels::StripGrid grid(convolution.vertical, convolution.horizontal, shape.batch,
-                                shape.in_channels, kernels::kMostColumns, kernels::kStripCells);
+                                shape.in_channels, kernels::kLimits);
   const int tap_count = shape.kernel_height * shape.kernel_width;
   std::ptrdiff_t* taps = workspace->positions(static_cast<std::size_t>(tap_count));
   for (int tap = 0; tap < tap_count; ++tap) {

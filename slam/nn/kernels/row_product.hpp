@@ -29,6 +29,26 @@ EIGEN_ALWAYS_INLINE void store_tile(const RowProduct& row,
   }
 }
 
+/// sum += x[p pitch] w for one channel; x and w go on to the next channel.
+template <int P, int Q>
+EIGEN_ALWAYS_INLINE void multiply_channel(const float*& x,
+                                          std::ptrdiff_t pitch,
+                                          const float*& w,
+                                          Packet (&sum)[P][Q]) {
+  Packet weights[Q];
+#pragma GCC unroll 4
+  for (int q = 0; q < Q; ++q) weights[q] = load(w + q * kLanes);
+#pragma GCC unroll 32
+  for (int p = 0; p < P; ++p) {
+    const Packet pixel = pset1<Packet>(x[p * pitch]);
+#pragma GCC unroll 4
+    for (int q = 0; q < Q; ++q) sum[p][q] = pmadd(pixel, weights[q], sum[p][q]);
+  }
+  ++x;
+  w += Q * kLanes;
+}
+
+/// kPitch 0: the pitch is known at run time only.
 template <int P, int Q, int kPitch>
 void tile_product(const RowProduct& row, int first_pixel) {
   Packet sum[P][Q];
@@ -37,22 +57,21 @@ void tile_product(const RowProduct& row, int first_pixel) {
 #pragma GCC unroll 4
     for (int q = 0; q < Q; ++q) sum[p][q] = load(row.bias + q * kLanes);
   }
+  const std::ptrdiff_t pitch = kPitch > 0 ? kPitch : row.pixel_pitch;
   const float* w = row.weights;
-  const float* plane = row.input + first_pixel * kPitch;
+  const float* plane = row.input + first_pixel * pitch;
   for (int b = 1; b <= row.blocks; ++b, plane += row.block_pitch) {
-    const int channels = kPitch < kBlock ? 1 : (b < row.blocks ? kBlock : row.last_channels);
+    const int channels = b < row.blocks ? kBlock : row.last_channels;
     for (int tap = 0; tap < row.tap_count; ++tap) {
       const float* x = plane + row.taps[tap];
-      for (int c = 0; c < channels; ++c, ++x, w += Q * kLanes) {
-        Packet weights[Q];
+      if (kPitch > 0 && kPitch < kBlock) {
+        multiply_channel(x, pitch, w, sum);
+      } else if (channels == kBlock) {
 #pragma GCC unroll 4
-        for (int q = 0; q < Q; ++q) weights[q] = load(w + q * kLanes);
-#pragma GCC unroll 32
-        for (int p = 0; p < P; ++p) {
-          const Packet pixel = pset1<Packet>(x[p * kPitch]);
-#pragma GCC unroll 4
-          for (int q = 0; q < Q; ++q) sum[p][q] = pmadd(pixel, weights[q], sum[p][q]);
-        }
+        for (int c = 0; c < kBlock; ++c) multiply_channel(x, pitch, w, sum);
+      } else {
+#pragma GCC unroll 1
+        for (int c = 0; c < channels; ++c) multiply_channel(x, pitch, w, sum);
       }
     }
   }
@@ -68,9 +87,13 @@ constexpr TileProduct choose_tile(int pixels, std::integer_sequence<int, P...>) 
 }
 
 /// Tiles of almost equal width: a narrow last one would not fill the multipliers' pipeline.
+/// With a pitch known at run time only, the addresses of more pixels do not fit into registers.
+constexpr int kMostAddresses = 14;
+
 template <int Q, int kPitch>
 void split_row(const RowProduct& row) {
-  constexpr int kMax = max_pixels(Q);
+  constexpr int kFitting = max_pixels(Q);
+  constexpr int kMax = kPitch == 0 && kFitting > kMostAddresses ? kMostAddresses : kFitting;
   const int tiles = (row.pixels + kMax - 1) / kMax;
   for (int t = 0, first = 0; t < tiles; ++t) {
     const int pixels = (row.pixels - first + tiles - t - 1) / (tiles - t);
@@ -99,8 +122,10 @@ void row_product(const RowProduct& row) {
       return row_product_of_pitch<1>(row);
     case 4:
       return row_product_of_pitch<4>(row);
-    default:
+    case kBlock:
       return row_product_of_pitch<kBlock>(row);
+    default:
+      return row_product_of_pitch<0>(row);
   }
 }
 

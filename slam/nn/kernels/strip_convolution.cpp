@@ -9,8 +9,11 @@
 namespace imslam::nn::kernels {
 namespace {
 
-constexpr int kMostColumns = 84;       // three tiles of 28 or six of 14
-constexpr int kStripCells = 8 * 84;    // rows are packed (rows + halo) / rows times
+// Three tiles of 28 columns or six of 14; rows are packed (rows + halo) / rows times.
+constexpr StripLimits kLimits = {84, 8 * 84, 0};
+constexpr StripLimits kDirectLimits = {84, 8 * 84, 14};
+// Pixels further apart collide in the first-level cache when they are read in place.
+constexpr int kMostDirectChannels = 96;
 constexpr double kTaskProducts = 1e6;  // less is not worth a task
 
 struct Job {
@@ -22,7 +25,8 @@ struct Job {
   const float* packed_weights;
   float negative_slope;
   float* y;
-  const std::ptrdiff_t* taps;  // of all phases, in the order of the weights
+  const std::ptrdiff_t* taps;         // of all phases, in the order of the weights
+  const std::ptrdiff_t* direct_taps;  // likewise, in the image itself; null: never read it in place
   Workspace& workspace;
 };
 
@@ -32,8 +36,33 @@ struct Phase {
   int rows, columns;  // cells of this strip that have an output in this phase
   int tap_count;
   const std::ptrdiff_t* taps;
+  const std::ptrdiff_t* direct_taps;
   const float* weights;
 };
+
+/// The input as it lies in the packed strip, or in the image where the strip is inside of it.
+RowProduct describe_input(const Job& job, const Strip& strip, const Phase& phase, bool direct) {
+  const StripConvolution& c = job.convolution;
+  RowProduct row{};
+  const int channels_as_taps = job.grid.channels_as_taps();
+  row.last_channels = channels_as_taps > 1 ? 1 : job.grid.last_channels();
+  row.blocks = job.grid.blocks();
+  row.tap_count = phase.tap_count * channels_as_taps;
+  if (direct) {
+    row.pixel_pitch = c.horizontal.stride * c.in_channels;
+    row.block_pitch = kBlock;
+    row.taps = phase.direct_taps;
+    const std::ptrdiff_t y = std::ptrdiff_t{strip.image} * c.vertical.in +
+                             std::ptrdiff_t{strip.first_row} * c.vertical.stride;
+    const std::ptrdiff_t x = std::ptrdiff_t{strip.first_column} * c.horizontal.stride;
+    row.input = job.x + (y * c.horizontal.in + x) * c.in_channels;
+  } else {
+    row.pixel_pitch = job.grid.pixel_pitch();
+    row.block_pitch = job.grid.block_pitch();
+    row.taps = phase.taps;
+  }
+  return row;
+}
 
 void multiply_group(const Job& job,
                     const Strip& strip,
@@ -41,13 +70,12 @@ void multiply_group(const Job& job,
                     const ChannelGroup& group,
                     const float* packed) {
   const StripConvolution& c = job.convolution;
-  RowProduct row{};
-  row.pixel_pitch = job.grid.pixel_pitch();
-  row.blocks = job.grid.blocks();
-  row.last_channels = job.grid.last_channels();
-  row.block_pitch = job.grid.block_pitch();
-  row.taps = phase.taps;
-  row.tap_count = phase.tap_count * job.grid.channels_as_taps();
+  const bool direct = packed == nullptr;
+  RowProduct row = describe_input(job, strip, phase, direct);
+  const float* const input = direct ? row.input : packed;
+  const std::ptrdiff_t row_step =
+      c.vertical.stride *
+      (direct ? std::ptrdiff_t{c.horizontal.in} * c.in_channels : job.grid.row_pitch());
   row.weights =
       phase.weights + std::ptrdiff_t{group.first_channel} * phase.tap_count * c.in_channels;
   row.bias = job.packed_weights + group.first_channel;
@@ -61,7 +89,7 @@ void multiply_group(const Job& job,
     const int x = strip.first_column * c.horizontal.step + phase.column;
     const std::ptrdiff_t pixel =
         (std::ptrdiff_t{strip.image} * c.vertical.out + y) * c.horizontal.out + x;
-    row.input = packed + r * c.vertical.stride * job.grid.row_pitch();
+    row.input = input + r * row_step;
     row.output = job.y + pixel * c.out_channels + group.first_channel;
     job.table.row_product(row);
   }
@@ -69,9 +97,11 @@ void multiply_group(const Job& job,
 
 void convolve_strip(const Job& job, const Strip& strip, float* packed) {
   const StripConvolution& c = job.convolution;
-  job.table.copy_strip(job.grid.copy(strip, job.x, packed));
+  if (strip.inside && job.direct_taps != nullptr) packed = nullptr;
+  if (packed != nullptr) job.table.copy_strip(job.grid.copy(strip, job.x, packed));
   Phase phase{};
   phase.taps = job.taps;
+  phase.direct_taps = job.direct_taps;
   phase.weights = job.packed_weights + job.groups.padded();
   for (phase.row = 0; phase.row < c.vertical.step; ++phase.row) {
     phase.rows = std::min(strip.rows, c.vertical.cells(phase.row) - strip.first_row);
@@ -82,58 +112,46 @@ void convolve_strip(const Job& job, const Strip& strip, float* packed) {
       for (int g = 0; g < job.groups.count() && phase.columns > 0; ++g) {
         multiply_group(job, strip, phase, job.groups.group(g), packed);
       }
-      phase.taps += phase.tap_count * job.grid.channels_as_taps();
+      const int positions = phase.tap_count * job.grid.channels_as_taps();
+      phase.taps += positions;
+      if (phase.direct_taps != nullptr) phase.direct_taps += positions;
       phase.weights += std::ptrdiff_t{phase.tap_count} * c.in_channels * job.groups.padded();
     }
   }
 }
 
-void place_taps(const StripConvolution& convolution, const StripGrid& grid, std::ptrdiff_t* to) {
+/// Calls place(row offset, column offset) for the taps of all phases in the order of the weights.
+template <typename Place>
+void for_each_tap(const StripConvolution& convolution, const Place& place) {
   for (int i = 0; i < convolution.vertical.step; ++i) {
     const AxisTaps rows = convolution.vertical.taps(i);
     for (int j = 0; j < convolution.horizontal.step; ++j) {
       const AxisTaps columns = convolution.horizontal.taps(j);
       for (int k = 0; k < rows.count; ++k) {
         for (int l = 0; l < columns.count; ++l) {
-          const std::ptrdiff_t tap =
-              grid.tap_position(rows.first_offset + k * rows.offset_step,
-                                columns.first_offset + l * columns.offset_step);
-          for (int c = 0; c < grid.channels_as_taps(); ++c) *to++ = tap + c;
+          place(rows.first_offset + k * rows.offset_step,
+                columns.first_offset + l * columns.offset_step);
         }
       }
     }
   }
 }
 
-ConvolutionAxis backward(const ConvolutionAxis& forward) {
-  ConvolutionAxis axis = forward;
-  std::swap(axis.in, axis.out);
-  std::swap(axis.stride, axis.step);
-  axis.backward = true;
-  return axis;
+void place_taps(const StripConvolution& convolution,
+                const StripGrid& grid,
+                std::ptrdiff_t* packed,
+                std::ptrdiff_t* direct) {
+  for_each_tap(convolution, [&](int row, int column) {
+    const std::ptrdiff_t position = grid.tap_position(row, column);
+    const std::ptrdiff_t pixel = std::ptrdiff_t{row} * convolution.horizontal.in + column;
+    for (int c = 0; c < grid.channels_as_taps(); ++c) {
+      *packed++ = position + c;
+      *direct++ = pixel * convolution.in_channels + c;
+    }
+  });
 }
 
 }  // namespace
-
-StripConvolution StripConvolution::forward(const ConvolutionShape& shape) {
-  StripConvolution c;
-  c.vertical = {shape.in_height,     shape.out_height(), shape.stride_y,   1,
-                shape.kernel_height, shape.padding_y,    shape.dilation_y, false};
-  c.horizontal = {shape.in_width,     shape.out_width(), shape.stride_x,   1,
-                  shape.kernel_width, shape.padding_x,   shape.dilation_x, false};
-  c.batch = shape.batch;
-  c.in_channels = shape.in_channels;
-  c.out_channels = shape.out_channels;
-  return c;
-}
-
-StripConvolution StripConvolution::backward_data(const ConvolutionShape& shape) {
-  StripConvolution c = forward(shape);
-  c.vertical = backward(c.vertical);
-  c.horizontal = backward(c.horizontal);
-  std::swap(c.in_channels, c.out_channels);
-  return c;
-}
 
 void convolve_strips(const StripConvolution& convolution,
                      const float* x,
@@ -143,17 +161,25 @@ void convolve_strips(const StripConvolution& convolution,
                      float* y,
                      Workspace& workspace) {
   const int all_taps = convolution.vertical.kernel * convolution.horizontal.kernel;
+  const bool direct = convolution.in_channels <= kMostDirectChannels;
   const StripGrid grid(convolution.vertical, convolution.horizontal, convolution.batch,
-                       convolution.in_channels, kMostColumns, kStripCells);
-  std::ptrdiff_t* taps =
-      workspace.positions(static_cast<std::size_t>(all_taps * grid.channels_as_taps()));
-  place_taps(convolution, grid, taps);
-  const Job job{convolution,    table, ChannelGroups(convolution.out_channels, table),
-                grid,           x,     packed_weights,
-                negative_slope, y,     taps,
+                       convolution.in_channels, direct ? kDirectLimits : kLimits);
+  const int positions = all_taps * grid.channels_as_taps();
+  std::ptrdiff_t* taps = workspace.positions(static_cast<std::size_t>(2 * positions));
+  place_taps(convolution, grid, taps, taps + positions);
+  const Job job{convolution,
+                table,
+                ChannelGroups(convolution.out_channels, table),
+                grid,
+                x,
+                packed_weights,
+                negative_slope,
+                y,
+                taps,
+                direct ? taps + positions : nullptr,
                 workspace};
 
-  const double products = double(grid.strip_rows()) * grid.strip_columns() * all_taps *
+  const double products = double(grid.most_rows()) * grid.longest_row() * all_taps *
                           convolution.in_channels * convolution.out_channels;
   const int strips_per_task = std::max(1, static_cast<int>(kTaskProducts / products));
   const int tasks = (grid.count() + strips_per_task - 1) / strips_per_task;

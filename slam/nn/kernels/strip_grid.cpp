@@ -22,8 +22,7 @@ StripGrid::StripGrid(const ConvolutionAxis& vertical,
                      const ConvolutionAxis& horizontal,
                      int batch,
                      int channels,
-                     int most_columns,
-                     int cells)
+                     StripLimits limits)
     : vertical_(vertical),
       horizontal_(horizontal),
       batch_(batch),
@@ -34,25 +33,28 @@ StripGrid::StripGrid(const ConvolutionAxis& vertical,
       column_base_(horizontal.lowest_offset()),
       row_span_(vertical.highest_offset() - row_base_ + 1),
       column_span_(horizontal.highest_offset() - column_base_ + 1) {
-  fit(most_columns, cells);
-  while (block_pitch_ * blocks_ > kMostFloats && strip_rows_ > 1) fit(most_columns, cells /= 2);
-  while (block_pitch_ * blocks_ > kMostFloats && strip_columns_ > kFewColumns) {
-    fit(most_columns /= 2, 1);
+  fit(limits);
+  while (block_pitch_ * blocks_ > kMostFloats && rows_.longest() > 1) {
+    limits.cells /= 2;
+    fit(limits);
+  }
+  while (block_pitch_ * blocks_ > kMostFloats && columns_.longest() > kFewColumns) {
+    limits.columns /= 2;
+    fit(limits);
   }
 }
 
-void StripGrid::fit(int most_columns, int cells) {
-  column_strips_ = divide_up(horizontal_.cells(0), std::max(1, most_columns));
-  strip_columns_ = divide_up(horizontal_.cells(0), column_strips_);
-  row_strips_ = divide_up(vertical_.cells(0), std::max(1, cells / strip_columns_));
-  strip_rows_ = divide_up(vertical_.cells(0), row_strips_);
-  column_strips_ = divide_up(horizontal_.cells(0), strip_columns_);
-  row_strips_ = divide_up(vertical_.cells(0), strip_rows_);
-  packed_rows_ = (strip_rows_ - 1) * vertical_.stride + row_span_;
-  packed_columns_ = (strip_columns_ - 1) * horizontal_.stride + column_span_;
-  lane_columns_ = divide_up(packed_columns_, horizontal_.stride);
+void StripGrid::fit(const StripLimits& limits) {
+  const bool edges = limits.edge_columns > 0;
+  const int reach_y = std::max(-row_base_, row_base_ + row_span_ - 1);
+  const int reach_x = std::max(-column_base_, column_base_ + column_span_ - 1);
+  const int edge_rows = edges ? divide_up(std::max(0, reach_y), vertical_.stride) : 0;
+  columns_ = AxisCuts(horizontal_.cells(0), reach_x > 0 ? limits.edge_columns : 0, limits.columns);
+  rows_ = AxisCuts(vertical_.cells(0), edge_rows, limits.cells / columns_.longest());
+  lane_columns_ =
+      divide_up((columns_.longest() - 1) * horizontal_.stride + column_span_, horizontal_.stride);
   row_pitch_ = std::ptrdiff_t{lane_columns_} * horizontal_.stride * pixel_pitch_;
-  block_pitch_ = row_pitch_ * packed_rows_;
+  block_pitch_ = row_pitch_ * ((rows_.longest() - 1) * vertical_.stride + row_span_);
 }
 
 std::size_t StripGrid::packed_size() const {
@@ -60,12 +62,19 @@ std::size_t StripGrid::packed_size() const {
 }
 
 Strip StripGrid::strip(int index) const {
+  const int column = index % columns_.count();
+  const int row = index / columns_.count() % rows_.count();
   Strip strip;
-  strip.first_column = index % column_strips_ * strip_columns_;
-  strip.first_row = index / column_strips_ % row_strips_ * strip_rows_;
-  strip.image = index / column_strips_ / row_strips_;
-  strip.rows = std::min(strip_rows_, vertical_.cells(0) - strip.first_row);
-  strip.columns = std::min(strip_columns_, horizontal_.cells(0) - strip.first_column);
+  strip.image = index / columns_.count() / rows_.count();
+  strip.first_row = rows_.begin(row);
+  strip.rows = rows_.begin(row + 1) - strip.first_row;
+  strip.first_column = columns_.begin(column);
+  strip.columns = columns_.begin(column + 1) - strip.first_column;
+  const int y = strip.first_row * vertical_.stride + row_base_;
+  const int x = strip.first_column * horizontal_.stride + column_base_;
+  strip.inside = y >= 0 && x >= 0 &&
+                 y + (strip.rows - 1) * vertical_.stride + row_span_ <= vertical_.in &&
+                 x + (strip.columns - 1) * horizontal_.stride + column_span_ <= horizontal_.in;
   return strip;
 }
 
