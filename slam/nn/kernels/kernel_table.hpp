@@ -36,6 +36,7 @@ struct StripCopy {
 ///                             c, :])
 struct RowProduct {
   const float* input;
+  const float* next;  ///< input of the next row: a hint
   int pixel_pitch;
   int blocks, last_channels;  ///< all blocks but the last have kBlock channels; few: see taps
   std::ptrdiff_t block_pitch;

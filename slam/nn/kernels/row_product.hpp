@@ -48,9 +48,20 @@ EIGEN_ALWAYS_INLINE void multiply_channel(const float*& x,
   w += Q * kLanes;
 }
 
-/// kPitch 0: the pitch is known at run time only.
+/// Asks for one block of the pixels of the next tile: of what its last tap, in the newest row,
+/// reads. Without it every tile would begin by waiting for the memory.
+template <int P, int kPitch>
+EIGEN_ALWAYS_INLINE void prefetch_tile(const float* x, std::ptrdiff_t pitch) {
+  constexpr bool kDense = kPitch > 0 && kPitch < kBlock;
+#pragma GCC unroll 32
+  for (int p = 0; p < (kDense ? (P * kPitch + kBlock - 1) / kBlock : P); ++p) {
+    __builtin_prefetch(x + p * (kDense ? kBlock : pitch));
+  }
+}
+
+/// kPitch 0: the pitch is known at run time only. `next` is where the next tile's pixels begin.
 template <int P, int Q, int kPitch>
-void tile_product(const RowProduct& row, int first_pixel) {
+void tile_product(const RowProduct& row, int first_pixel, const float* next) {
   Packet sum[P][Q];
 #pragma GCC unroll 32
   for (int p = 0; p < P; ++p) {
@@ -60,7 +71,9 @@ void tile_product(const RowProduct& row, int first_pixel) {
   const std::ptrdiff_t pitch = kPitch > 0 ? kPitch : row.pixel_pitch;
   const float* w = row.weights;
   const float* plane = row.input + first_pixel * pitch;
-  for (int b = 1; b <= row.blocks; ++b, plane += row.block_pitch) {
+  next += row.tap_count > 0 ? row.taps[row.tap_count - 1] : 0;
+  for (int b = 1; b <= row.blocks; ++b, plane += row.block_pitch, next += row.block_pitch) {
+    prefetch_tile<P, kPitch>(next, pitch);
     const int channels = b < row.blocks ? kBlock : row.last_channels;
     for (int tap = 0; tap < row.tap_count; ++tap) {
       const float* x = plane + row.taps[tap];
@@ -78,7 +91,7 @@ void tile_product(const RowProduct& row, int first_pixel) {
   store_tile<P, Q>(row, sum, row.output + first_pixel * row.output_pitch);
 }
 
-using TileProduct = void (*)(const RowProduct&, int);
+using TileProduct = void (*)(const RowProduct&, int, const float*);
 
 template <int Q, int kPitch, int... P>
 constexpr TileProduct choose_tile(int pixels, std::integer_sequence<int, P...>) {
@@ -97,7 +110,10 @@ void split_row(const RowProduct& row) {
   const int tiles = (row.pixels + kMax - 1) / kMax;
   for (int t = 0, first = 0; t < tiles; ++t) {
     const int pixels = (row.pixels - first + tiles - t - 1) / (tiles - t);
-    choose_tile<Q, kPitch>(pixels, std::make_integer_sequence<int, kMax>())(row, first);
+    const bool last = t + 1 == tiles;
+    const float* next =
+        last ? row.next : row.input + std::ptrdiff_t{first + pixels} * row.pixel_pitch;
+    choose_tile<Q, kPitch>(pixels, std::make_integer_sequence<int, kMax>())(row, first, next);
     first += pixels;
   }
 }

@@ -90,6 +90,7 @@ void multiply_group(const Job& job,
     const std::ptrdiff_t pixel =
         (std::ptrdiff_t{strip.image} * c.vertical.out + y) * c.horizontal.out + x;
     row.input = input + r * row_step;
+    row.next = r + 1 < phase.rows ? row.input + row_step : input;
     row.output = job.y + pixel * c.out_channels + group.first_channel;
     job.table.row_product(row);
   }
