@@ -22,7 +22,7 @@ class ChannelGroups {
       : channels_(channels),
         lanes_(table.lanes),
         packets_((channels + lanes_ - 1) / lanes_),
-        count_((packets_ + table.preferred_packets - 1) / table.preferred_packets) {}
+        count_((packets_ + table.most_packets - 1) / table.most_packets) {}
 
   int count() const { return count_; }
   int lanes() const { return lanes_; }

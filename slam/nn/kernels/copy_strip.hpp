@@ -79,16 +79,8 @@ void copy_gradient_group(const GradientCopy& copy) {
 }
 
 void copy_gradient(const GradientCopy& copy) {
-  switch (copy.packets) {
-    case 1:
-      return copy_gradient_group<1>(copy);
-    case 2:
-      return copy_gradient_group<2>(copy);
-    case 3:
-      return copy_gradient_group<3>(copy);
-    default:
-      return copy_gradient_group<4>(copy);
-  }
+  if (copy.packets == 1) return copy_gradient_group<1>(copy);
+  copy_gradient_group<kMostPackets>(copy);
 }
 
 void copy_strip(const StripCopy& copy) {

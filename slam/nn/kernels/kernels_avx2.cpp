@@ -7,8 +7,8 @@
 namespace imslam::nn::kernels {
 
 const KernelTable* avx2_kernels() {
-  static constexpr KernelTable kTable = {kLanes,       2, copy_strip, row_product, copy_gradient,
-                                         outer_product};
+  static constexpr KernelTable kTable = {kLanes,      kMostPackets,  copy_strip,
+                                         row_product, copy_gradient, outer_product};
   return &kTable;
 }
 

@@ -26,6 +26,8 @@ using Packet = Eigen::internal::packet_traits<float>::type;
 constexpr int kLanes = Eigen::internal::packet_traits<float>::size;
 /// Registers of packets: how large a tile may be.
 constexpr int kRegisters = kLanes == 16 ? 32 : 16;
+/// Most packets of output channels in a group; a tile of more was slower wherever it was tried.
+constexpr int kMostPackets = 2;
 
 EIGEN_ALWAYS_INLINE Packet load(const float* from) { return ploadu<Packet>(from); }
 

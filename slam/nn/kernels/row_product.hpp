@@ -48,6 +48,15 @@ EIGEN_ALWAYS_INLINE void multiply_channel(const float*& x,
   w += Q * kLanes;
 }
 
+template <int P, int Q>
+EIGEN_ALWAYS_INLINE void prefetch_output(const RowProduct& row, const float* output) {
+#pragma GCC unroll 32
+  for (int p = 0; p < P; ++p) {
+#pragma GCC unroll 4
+    for (int q = 0; q < Q; ++q) __builtin_prefetch(output + p * row.output_pitch + q * kLanes, 1);
+  }
+}
+
 /// Asks for one block of the pixels of the next tile: of what its last tap, in the newest row,
 /// reads. Without it every tile would begin by waiting for the memory.
 template <int P, int kPitch>
@@ -69,6 +78,8 @@ void tile_product(const RowProduct& row, int first_pixel, const float* next) {
     for (int q = 0; q < Q; ++q) sum[p][q] = load(row.bias + q * kLanes);
   }
   const std::ptrdiff_t pitch = kPitch > 0 ? kPitch : row.pixel_pitch;
+  float* const output = row.output + first_pixel * row.output_pitch;
+  if (row.tap_count > 1) prefetch_output<P, Q>(row, output);
   const float* w = row.weights;
   const float* plane = row.input + first_pixel * pitch;
   next += row.tap_count > 0 ? row.taps[row.tap_count - 1] : 0;
@@ -88,7 +99,7 @@ void tile_product(const RowProduct& row, int first_pixel, const float* next) {
       }
     }
   }
-  store_tile<P, Q>(row, sum, row.output + first_pixel * row.output_pitch);
+  store_tile<P, Q>(row, sum, output);
 }
 
 using TileProduct = void (*)(const RowProduct&, int, const float*);
@@ -118,31 +129,60 @@ void split_row(const RowProduct& row) {
   }
 }
 
-template <int kPitch>
-void row_product_of_pitch(const RowProduct& row) {
-  switch (row.packets) {
-    case 1:
-      return split_row<1, kPitch>(row);
-    case 2:
-      return split_row<2, kPitch>(row);
-    case 3:
-      return split_row<3, kPitch>(row);
+/// Pitches are known to the compiler where they can be: the addresses of a tile are then constants.
+void row_of_one_packet(const RowProduct& row) {
+  switch (row.pixel_pitch) {
+    case kBlock:
+      return split_row<1, kBlock>(row);
+    case 2 * kBlock:
+      return split_row<1, 2 * kBlock>(row);
     default:
-      return split_row<4, kPitch>(row);
+      return split_row<1, 0>(row);
+  }
+}
+
+void row_of_two_packets(const RowProduct& row) {
+  switch (row.pixel_pitch) {
+    case kBlock:
+      return split_row<2, kBlock>(row);
+    case 2 * kBlock:
+      return split_row<2, 2 * kBlock>(row);
+    case 4 * kBlock:
+      return split_row<2, 4 * kBlock>(row);
+    case 6 * kBlock:
+      return split_row<2, 6 * kBlock>(row);
+    case 8 * kBlock:
+      return split_row<2, 8 * kBlock>(row);
+    default:
+      return split_row<2, 0>(row);
+  }
+}
+
+/// Few channels, each a tap of its own.
+template <int Q>
+void row_of_few_channels(const RowProduct& row) {
+  switch (row.pixel_pitch) {
+    case 1:
+      return split_row<Q, 1>(row);
+    case 2:
+      return split_row<Q, 2>(row);
+    case 3:
+      return split_row<Q, 3>(row);
+    case 4:
+      return split_row<Q, 4>(row);
+    case 6:
+      return split_row<Q, 6>(row);
+    default:
+      return split_row<Q, 0>(row);
   }
 }
 
 void row_product(const RowProduct& row) {
-  switch (row.pixel_pitch) {
-    case 1:
-      return row_product_of_pitch<1>(row);
-    case 4:
-      return row_product_of_pitch<4>(row);
-    case kBlock:
-      return row_product_of_pitch<kBlock>(row);
-    default:
-      return row_product_of_pitch<0>(row);
-  }
+  const bool few_channels = row.blocks == 1 && row.last_channels == 1;
+  if (few_channels && row.packets == 1) return row_of_few_channels<1>(row);
+  if (few_channels) return row_of_few_channels<2>(row);
+  if (row.packets == 1) return row_of_one_packet(row);
+  row_of_two_packets(row);
 }
 
 }  // namespace

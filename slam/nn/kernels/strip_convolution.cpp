@@ -11,9 +11,7 @@ namespace {
 
 // Three tiles of 28 columns or six of 14; rows are packed (rows + halo) / rows times.
 constexpr StripLimits kLimits = {84, 8 * 84, 0};
-constexpr StripLimits kDirectLimits = {84, 8 * 84, 14};
-// Pixels further apart collide in the first-level cache when they are read in place.
-constexpr int kMostDirectChannels = 96;
+constexpr StripLimits kDirectLimits = {84, 16 * 84, 14};
 constexpr double kTaskProducts = 1e6;  // less is not worth a task
 
 struct Job {
@@ -138,6 +136,17 @@ void for_each_tap(const StripConvolution& convolution, const Place& place) {
   }
 }
 
+/// Pixels further apart collide in the first-level cache when they are read in place, and a narrow
+/// group of output channels does not pay for addresses that the compiler does not know.
+bool reads_in_place(const StripConvolution& convolution, const KernelTable& table) {
+  constexpr int kMostDirectChannels = 96;
+  const int channels = convolution.in_channels;
+  const int pitch = convolution.horizontal.stride * channels;
+  if (channels <= 4) return pitch <= 4 || pitch == 6;
+  if (convolution.out_channels <= table.lanes) return pitch == kBlock || pitch == 2 * kBlock;
+  return channels <= kMostDirectChannels;
+}
+
 void place_taps(const StripConvolution& convolution,
                 const StripGrid& grid,
                 std::ptrdiff_t* packed,
@@ -162,7 +171,7 @@ void convolve_strips(const StripConvolution& convolution,
                      float* y,
                      Workspace& workspace) {
   const int all_taps = convolution.vertical.kernel * convolution.horizontal.kernel;
-  const bool direct = convolution.in_channels <= kMostDirectChannels;
+  const bool direct = reads_in_place(convolution, table);
   const StripGrid grid(convolution.vertical, convolution.horizontal, convolution.batch,
                        convolution.in_channels, direct ? kDirectLimits : kLimits);
   const int positions = all_taps * grid.channels_as_taps();
