@@ -167,7 +167,7 @@ void convolution_backward_weights(const ConvolutionShape& shape,
               grid.tap_position(tap / shape.kernel_width * shape.dilation_y - shape.padding_y,
                                 tap % shape.kernel_width * shape.dilation_x - shape.padding_x);
   }
-  const kernels::ChannelGroups groups(shape.out_channels, table);
+  const kernels::ChannelGroups groups(shape.out_channels, table.lanes, table.most_packets);
   kernels::sum_outer_products(
       {convolution, table, groups, grid, x, dy, taps, tap_count, *workspace}, dw, db);
 }

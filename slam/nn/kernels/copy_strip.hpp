@@ -26,9 +26,11 @@ void copy_small_pixels(const StripCopy& copy, const float* from, int count, floa
     for (int i = 0; i < count; ++i) to[i] = from[i * step];
     return;
   }
-  for (int i = 0; i < count; ++i, from += step, to += copy.pixel_pitch) {
-    for (int c = 0; c < copy.channels; ++c) to[c] = from[c];
+  // Four floats at once, some of the next pixel, which the last one of the image does not have.
+  for (int i = 0; i + 1 < count; ++i, from += step, to += copy.pixel_pitch) {
+    pstoreu(to, ploadu<Packet4>(from));
   }
+  for (int c = 0; c < copy.channels; ++c) to[c] = from[c];
 }
 
 /// Pixels u = remainder, remainder + stride, ... of one row; `from` is the row's first pixel, null

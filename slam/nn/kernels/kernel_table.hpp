@@ -72,11 +72,15 @@ struct GradientCopy {
   float* sum;  ///< [packets * lanes]
 };
 
+/// Most outputs of a group of a narrow product.
+constexpr int kNarrowOutputs = 4;
+
 struct KernelTable {
   int lanes;         ///< floats of a packet
   int most_packets;  ///< of a group of output channels
   void (*copy_strip)(const StripCopy&);
   void (*row_product)(const RowProduct&);
+  void (*narrow_product)(const RowProduct&);
   void (*copy_gradient)(const GradientCopy&);
   void (*outer_product)(const OuterProduct&);
 };

@@ -91,7 +91,7 @@ void tile_product(const RowProduct& row, int first_pixel, const float* next) {
       if (kPitch > 0 && kPitch < kBlock) {
         multiply_channel(x, pitch, w, sum);
       } else if (channels == kBlock) {
-#pragma GCC unroll 4
+#pragma GCC unroll 1
         for (int c = 0; c < kBlock; ++c) multiply_channel(x, pitch, w, sum);
       } else {
 #pragma GCC unroll 1
@@ -159,28 +159,36 @@ void row_of_two_packets(const RowProduct& row) {
 }
 
 /// Few channels, each a tap of its own.
-template <int Q>
-void row_of_few_channels(const RowProduct& row) {
+void few_channels_one_packet(const RowProduct& row) {
   switch (row.pixel_pitch) {
     case 1:
-      return split_row<Q, 1>(row);
-    case 2:
-      return split_row<Q, 2>(row);
+      return split_row<1, 1>(row);
     case 3:
-      return split_row<Q, 3>(row);
+      return split_row<1, 3>(row);
     case 4:
-      return split_row<Q, 4>(row);
+      return split_row<1, 4>(row);
     case 6:
-      return split_row<Q, 6>(row);
+      return split_row<1, 6>(row);
     default:
-      return split_row<Q, 0>(row);
+      return split_row<1, 0>(row);
+  }
+}
+
+void few_channels_two_packets(const RowProduct& row) {
+  switch (row.pixel_pitch) {
+    case 1:
+      return split_row<2, 1>(row);
+    case 4:
+      return split_row<2, 4>(row);
+    default:
+      return split_row<2, 0>(row);
   }
 }
 
 void row_product(const RowProduct& row) {
   const bool few_channels = row.blocks == 1 && row.last_channels == 1;
-  if (few_channels && row.packets == 1) return row_of_few_channels<1>(row);
-  if (few_channels) return row_of_few_channels<2>(row);
+  if (few_channels && row.packets == 1) return few_channels_one_packet(row);
+  if (few_channels) return few_channels_two_packets(row);
   if (row.packets == 1) return row_of_one_packet(row);
   row_of_two_packets(row);
 }
