@@ -104,27 +104,40 @@ void tile_product(const RowProduct& row, int first_pixel, const float* next) {
 
 using TileProduct = void (*)(const RowProduct&, int, const float*);
 
-template <int Q, int kPitch, int... P>
-constexpr TileProduct choose_tile(int pixels, std::integer_sequence<int, P...>) {
-  constexpr TileProduct kTiles[] = {tile_product<P + 1, Q, kPitch>...};
-  return kTiles[pixels - 1];
+/// Tiles of 1 to 8 pixels, then of even numbers only: half as many functions to compile.
+constexpr int kSmallTiles = 8;
+constexpr int tile_index(int pixels) {
+  return pixels <= kSmallTiles ? pixels - 1 : kSmallTiles - 1 + (pixels - kSmallTiles) / 2;
+}
+constexpr int tile_pixels(int index) {
+  return index < kSmallTiles ? index + 1 : kSmallTiles + 2 * (index - kSmallTiles + 1);
 }
 
-/// Tiles of almost equal width: a narrow last one would not fill the multipliers' pipeline.
+template <int Q, int kPitch, int... Index>
+constexpr TileProduct choose_tile(int pixels, std::integer_sequence<int, Index...>) {
+  constexpr TileProduct kTiles[] = {tile_product<tile_pixels(Index), Q, kPitch>...};
+  return kTiles[tile_index(pixels)];
+}
+
 /// With a pitch known at run time only, the addresses of more pixels do not fit into registers.
 constexpr int kMostAddresses = 14;
 
+/// Tiles of almost equal width: a narrow last one would not fill the multipliers' pipeline.
 template <int Q, int kPitch>
 void split_row(const RowProduct& row) {
   constexpr int kFitting = max_pixels(Q);
   constexpr int kMax = kPitch == 0 && kFitting > kMostAddresses ? kMostAddresses : kFitting;
-  const int tiles = (row.pixels + kMax - 1) / kMax;
-  for (int t = 0, first = 0; t < tiles; ++t) {
-    const int pixels = (row.pixels - first + tiles - t - 1) / (tiles - t);
-    const bool last = t + 1 == tiles;
+  constexpr int kWidest = kMax > kSmallTiles ? kMax / 2 * 2 : kMax;
+  for (int first = 0; first < row.pixels;) {
+    const int left = row.pixels - first;
+    const int tiles = (left + kWidest - 1) / kWidest;
+    int pixels = (left + tiles - 1) / tiles;
+    if (pixels > kSmallTiles && pixels % 2 == 1) pixels += pixels < left ? 1 : -1;
+    const bool last = first + pixels == row.pixels;
     const float* next =
         last ? row.next : row.input + std::ptrdiff_t{first + pixels} * row.pixel_pitch;
-    choose_tile<Q, kPitch>(pixels, std::make_integer_sequence<int, kMax>())(row, first, next);
+    constexpr auto kIndices = std::make_integer_sequence<int, tile_index(kWidest) + 1>();
+    choose_tile<Q, kPitch>(pixels, kIndices)(row, first, next);
     first += pixels;
   }
 }
@@ -149,10 +162,6 @@ void row_of_two_packets(const RowProduct& row) {
       return split_row<2, 2 * kBlock>(row);
     case 4 * kBlock:
       return split_row<2, 4 * kBlock>(row);
-    case 6 * kBlock:
-      return split_row<2, 6 * kBlock>(row);
-    case 8 * kBlock:
-      return split_row<2, 8 * kBlock>(row);
     default:
       return split_row<2, 0>(row);
   }
