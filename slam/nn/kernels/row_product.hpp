@@ -57,8 +57,9 @@ EIGEN_ALWAYS_INLINE void prefetch_output(const RowProduct& row, const float* out
   }
 }
 
-/// Asks for one block of the pixels of the next tile: of what its last tap, in the newest row,
-/// reads. Without it every tile would begin by waiting for the memory.
+/// Asks for one block of the pixels of the next tile, as one of its taps reads them: the last, in
+/// the newest row, and the middle one, whose row is new, too, where the stride is 2. Without it
+/// every tile would begin by waiting for the memory.
 template <int P, int kPitch>
 EIGEN_ALWAYS_INLINE void prefetch_tile(const float* x, std::ptrdiff_t pitch) {
   constexpr bool kDense = kPitch > 0 && kPitch < kBlock;
@@ -82,9 +83,11 @@ void tile_product(const RowProduct& row, int first_pixel, const float* next) {
   if (row.tap_count > 1) prefetch_output<P, Q>(row, output);
   const float* w = row.weights;
   const float* plane = row.input + first_pixel * pitch;
-  next += row.tap_count > 0 ? row.taps[row.tap_count - 1] : 0;
+  const std::ptrdiff_t newest = row.tap_count > 0 ? row.taps[row.tap_count - 1] : 0;
+  const std::ptrdiff_t middle = row.tap_count > 1 ? row.taps[row.tap_count / 2] : newest;
   for (int b = 1; b <= row.blocks; ++b, plane += row.block_pitch, next += row.block_pitch) {
-    prefetch_tile<P, kPitch>(next, pitch);
+    prefetch_tile<P, kPitch>(next + newest, pitch);
+    if (middle != newest) prefetch_tile<P, kPitch>(next + middle, pitch);
     const int channels = b < row.blocks ? kBlock : row.last_channels;
     for (int tap = 0; tap < row.tap_count; ++tap) {
       const float* x = plane + row.taps[tap];
@@ -132,7 +135,7 @@ void split_row(const RowProduct& row) {
     const int left = row.pixels - first;
     const int tiles = (left + kWidest - 1) / kWidest;
     int pixels = (left + tiles - 1) / tiles;
-    if (pixels > kSmallTiles && pixels % 2 == 1) pixels += pixels < left ? 1 : -1;
+    if (pixels > kSmallTiles && pixels % 2 == 1) pixels += pixels < left ? 1 : -(kSmallTiles - 1);
     const bool last = first + pixels == row.pixels;
     const float* next =
         last ? row.next : row.input + std::ptrdiff_t{first + pixels} * row.pixel_pitch;

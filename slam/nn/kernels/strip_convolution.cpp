@@ -147,7 +147,8 @@ bool reads_in_place(const StripConvolution& convolution, const KernelTable& tabl
   if (channels <= 4) return pitch == 1 || pitch == 3 || pitch == 4 || pitch == 6;
   if (convolution.is_narrow(table)) return channels % kBlock == 0;
   if (convolution.out_channels <= table.lanes) return pitch == kBlock || pitch == 2 * kBlock;
-  return channels <= kMostDirectChannels;
+  const bool one_tap = convolution.vertical.kernel * convolution.horizontal.kernel == 1;
+  return channels <= kMostDirectChannels || one_tap;
 }
 
 void place_taps(const StripConvolution& convolution,
