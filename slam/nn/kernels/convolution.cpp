@@ -28,12 +28,19 @@ kernels::WeightLayout forward_layout(const ConvolutionShape& shape, const float*
 
 }  // namespace
 
-PackedWeights::PackedWeights(const ConvolutionShape& shape, const float* w, const float* b) {
+PackedWeights::PackedWeights(const ConvolutionShape& shape, const float* w, const float* b)
+    : shape_(shape), table_(&kernels::selected_kernels()) {
   shape.validate();
   const StripConvolution convolution = StripConvolution::forward(shape);
   const kernels::KernelTable& table = kernels::selected_kernels();
   data_.resize(kernels::packed_weight_size(convolution, table));
   kernels::pack_weights(convolution, forward_layout(shape, w), b, table, data_.data());
+}
+
+bool PackedWeights::fits(const ConvolutionShape& shape) const {
+  return table_ == &kernels::selected_kernels() && shape.kernel_height == shape_.kernel_height &&
+         shape.kernel_width == shape_.kernel_width && shape.in_channels == shape_.in_channels &&
+         shape.out_channels == shape_.out_channels;
 }
 
 void convolution_forward(const ConvolutionShape& shape,
@@ -63,10 +70,9 @@ void convolution_forward(const ConvolutionShape& shape,
   shape.validate();
   const StripConvolution convolution = StripConvolution::forward(shape);
   const kernels::KernelTable& table = kernels::selected_kernels();
-  expects(weights.data_.size() == kernels::packed_weight_size(convolution, table),
-          ("convolution_forward: weights were packed for another shape or instruction set than " +
-           shape.text())
-              .c_str());
+  expects(weights.fits(shape), ("convolution_forward: weights packed for " + weights.shape_.text() +
+                                " (or for another instruction set) do not fit " + shape.text())
+                                   .c_str());
   Workspace own;
   kernels::convolve_strips(convolution, x, weights.data_.data(), negative_slope(activation), table,
                            y, workspace == nullptr ? own : *workspace);

@@ -62,7 +62,12 @@ class PackedWeights {
                                   Activation activation,
                                   float* y,
                                   Workspace* workspace);
+  /// The same kernel size, channels and instruction set; batch, height and width may differ.
+  bool fits(const ConvolutionShape& shape) const;
+
   std::vector<float> data_;
+  ConvolutionShape shape_;
+  const void* table_ = nullptr;  ///< of the kernels that it was packed for
 };
 
 /// y is overwritten; b may be null. Equal bytes for any number of threads; the bytes depend on the

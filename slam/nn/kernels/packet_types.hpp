@@ -26,8 +26,13 @@ using Eigen::internal::pzero;
 using Packet = Eigen::internal::packet_traits<float>::type;
 using Packet4 = Eigen::internal::Packet4f;
 constexpr int kLanes = Eigen::internal::packet_traits<float>::size;
-/// Registers of packets: how large a tile may be.
+/// Registers of packets: how large a tile may be. Sanitizer builds take small ones: with their
+/// checks at each step hundreds of unrolled loops would compile for many minutes.
+#ifdef IMSLAM_SMALL_TILES
+constexpr int kRegisters = 8;
+#else
 constexpr int kRegisters = kLanes == 16 ? 32 : 16;
+#endif
 /// Most packets of output channels in a group; a tile of more was slower wherever it was tried.
 constexpr int kMostPackets = 2;
 
