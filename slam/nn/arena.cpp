@@ -14,7 +14,8 @@ constexpr std::align_val_t kAlign{Arena::kAlignment};
 void Arena::Free::operator()(std::byte* memory) const { ::operator delete(memory, kAlign); }
 
 void* Arena::allocate(std::size_t bytes) {
-  const std::size_t rounded = (std::max<std::size_t>(bytes, 1) + kAlignment - 1) & ~(kAlignment - 1);
+  const std::size_t rounded =
+      (std::max<std::size_t>(bytes, 1) + kAlignment - 1) & ~(kAlignment - 1);
   if (rounded < bytes) throw std::bad_alloc();
   while (here_.block < blocks_.size()) {
     const Block& block = blocks_[here_.block];
@@ -26,7 +27,8 @@ void* Arena::allocate(std::size_t bytes) {
     here_ = {here_.block + 1, 0};
   }
   // Growing by what is held already keeps the number of blocks logarithmic.
-  const std::size_t size = std::max({rounded, kSmallestBlock, std::min(capacity(), 64 * kSmallestBlock)});
+  const std::size_t size =
+      std::max({rounded, kSmallestBlock, std::min(capacity(), 64 * kSmallestBlock)});
   Block block;
   block.memory.reset(static_cast<std::byte*>(::operator new(size, kAlign)));
   block.size = size;

@@ -9,9 +9,9 @@ namespace imslam::nn {
 /// Memory that is handed out front to back and taken back all at once.
 ///
 /// Blocks are kept by rewind(): the same sequence of requests after it needs no new memory, so a
-/// network that runs once per frame allocates in the first frame only. All pieces start at multiples
-/// of 64 bytes (a cache line, the widest vector register), hence equal sequences of operations see
-/// equal alignment and give equal bits.
+/// network that runs once per frame allocates in the first frame only. All pieces start at
+/// multiples of 64 bytes (a cache line, the widest vector register), hence equal sequences of
+/// operations see equal alignment and give equal bits.
 class Arena {
  public:
   static constexpr std::size_t kAlignment = 64;

@@ -9,16 +9,17 @@ namespace imslam::nn {
 ///
 ///   f(a + b e) = f(a) + f'(a) b e
 ///
-/// A Tape<Dual<double>> whose inputs carry tangents gives Jacobian-vector products on the way forward
-/// and, because its gradients are dual too, Hessian-vector products on the way back. Comparisons look
-/// at values only. Nests (Dual<Dual<double>>).
+/// A Tape<Dual<double>> whose inputs carry tangents gives Jacobian-vector products on the way
+/// forward and, because its gradients are dual too, Hessian-vector products on the way back.
+/// Comparisons look at values only. Nests (Dual<Dual<double>>).
 template <typename T>
 struct Dual {
   T value{};
   T tangent{};
 
   Dual() = default;
-  Dual(double v) : value(v), tangent(0.0) {}  // NOLINT(google-explicit-constructor): a number is one
+  Dual(double v)
+      : value(T(v)), tangent(T(0.0)) {}  // NOLINT(google-explicit-constructor): a number is one
   Dual(const T& v, const T& t) : value(v), tangent(t) {}
 
   Dual operator-() const { return {-value, -tangent}; }

@@ -7,8 +7,8 @@
 
 namespace imslam::nn {
 
-/// A learned value. Its gradient is not here but on each tape that used it, so that the samples of a
-/// batch run side by side and are summed in a fixed order.
+/// A learned value. Its gradient is not here but on each tape that used it, so that the samples of
+/// a batch run side by side and are summed in a fixed order.
 template <typename S>
 struct Parameter {
   Parameter() = default;
@@ -47,8 +47,8 @@ using Gradients = std::vector<Tensor<S>>;
 template <typename S>
 Gradients<S> zero_gradients(const ParameterList<S>& parameters);
 
-/// Copies values from one network to another of the same structure, name by name, e.g. from float to
-/// Dual<double> for a Jacobian-vector product.
+/// Copies values from one network to another of the same structure, name by name, e.g. from float
+/// to Dual<double> for a Jacobian-vector product.
 template <typename To, typename From>
 void copy_values(const ParameterList<From>& from, const ParameterList<To>& to) {
   expects(from.count() == to.count(), "copy_values: two networks of the same structure");

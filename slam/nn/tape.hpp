@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "slam/nn/kernels/workspace.hpp"
 #include "slam/nn/parameter.hpp"
 #include "slam/nn/tensor.hpp"
 
@@ -26,9 +27,10 @@ enum class Mode {
 ///   forward    y_k = f_k(earlier y)              an entry reads earlier ones only: no graph search
 ///   backward   dL/dy_j += (df_k/dy_j)^T dL/dy_k  for k from the last to the first
 ///
-/// Everything (values, closures, gradients) lives in two arenas that reset() rewinds: the first frame
-/// allocates, the next ones do not. Gradients of parameters stay on the tape, see Parameter. One
-/// thread per tape. Parameters must outlive the tape's use and must not change between the two passes.
+/// Everything (values, closures, gradients) lives in two arenas that reset() rewinds: the first
+/// frame allocates, the next ones do not. Gradients of parameters stay on the tape, see Parameter.
+/// One thread per tape. Parameters must outlive the tape's use and must not change between the two
+/// passes.
 template <typename S>
 class Tape {
  public:
@@ -82,9 +84,10 @@ class Tape {
   /// Another shape for the same numbers.
   Var alias(Var v, const Shape& shape);
 
-  /// Notes how the gradient of y goes back to its inputs ("none" inputs are allowed). pull_back(tape)
-  /// reads gradient(y) and adds to the gradients of the inputs. It is kept in the arena and never
-  /// destroyed, so it captures only plain values and pointers into the arena (see keep()).
+  /// Notes how the gradient of y goes back to its inputs ("none" inputs are allowed).
+  /// pull_back(tape) reads gradient(y) and adds to the gradients of the inputs. It is kept in the
+  /// arena and never destroyed, so it captures only plain values and pointers into the arena (see
+  /// keep()).
   template <typename PullBack>
   Var record(Var y, std::initializer_list<Var> inputs, const PullBack& pull_back) {
     return record(y, inputs.begin(), inputs.size(), pull_back);
@@ -109,7 +112,17 @@ class Tape {
   void accumulate(Var x, const Add& add) {
     if (wants_gradient(x)) add(gradient(x));
   }
-  /// The same for kernels that overwrite all of S* dX: the first one writes in place.
+  /// In a pull-back of a function that changes no number: dX += dY. The first to arrive lends its
+  /// memory instead of copying, so dY is not for reading afterwards.
+  void pass_on(Var y, Var x) {
+    if (!wants_gradient(x)) return;
+    if (entry(x).gradient == nullptr) {
+      entry(x).gradient = gradient_data(y);
+    } else {
+      gradient(x) += gradient(y);
+    }
+  }
+  /// Like accumulate() for kernels that overwrite all of S* dX: the first one writes in place.
   template <typename Overwrite>
   void accumulate_overwriting(Var x, const Overwrite& overwrite) {
     if (!wants_gradient(x)) return;
@@ -132,6 +145,8 @@ class Tape {
     static_assert(std::is_trivially_destructible_v<T>);
     return values_.template allocate_array<T>(count);
   }
+
+  Workspace* workspace() { return &workspace_; }  ///< scratch of the convolution kernels
 
   /// A statistic of this sample that apply_observations() will blend into a parameter:
   ///   target <- (1 - rate) target + rate value
@@ -175,6 +190,7 @@ class Tape {
   std::vector<Observation> observations_;
   Arena values_;
   Arena gradients_;
+  Workspace workspace_;
   int open_scratches_ = 0;
 };
 

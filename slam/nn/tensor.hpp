@@ -39,7 +39,8 @@ class Tensor {
     std::uninitialized_fill_n(storage_.get(), shape.size(), S(0));
   }
   Tensor(const Shape& shape, std::initializer_list<S> values) : Tensor(shape) {
-    expects(static_cast<Index>(values.size()) == shape.size(), "Tensor: as many values as the shape");
+    expects(static_cast<Index>(values.size()) == shape.size(),
+            "Tensor: as many values as the shape");
     std::copy(values.begin(), values.end(), data());
   }
 

@@ -45,15 +45,13 @@ Var gelu(Tape<S>& tape, Var x) {
   return elementwise(
       tape, x,
       [](auto X, auto Y) {
-        Y = S(0.5) * X *
-            (S(1) + (S(kGeluScale) * (X + S(kGeluCubic) * X * X * X)).tanh());
+        Y = S(0.5) * X * (S(1) + (S(kGeluScale) * (X + S(kGeluCubic) * X * X * X)).tanh());
       },
       [](auto X, auto, auto dY, auto dX) {
         const Eigen::Array<S, Eigen::Dynamic, 1> t =
             (S(kGeluScale) * (X + S(kGeluCubic) * X * X * X)).tanh();
         dX += dY * (S(0.5) * (S(1) + t) +
-                    S(0.5 * kGeluScale) * X * (S(1) - t * t) *
-                        (S(1) + S(3 * kGeluCubic) * X * X));
+                    S(0.5 * kGeluScale) * X * (S(1) - t * t) * (S(1) + S(3 * kGeluCubic) * X * X));
       });
 }
 
@@ -95,14 +93,14 @@ Var softplus(Tape<S>& tape, Var x) {
       [](auto X, auto, auto dY, auto dX) { dX += dY * sigmoid_of<S>(X); });
 }
 
-#define INSTANTIATE(S)                                \
-  template Var relu(Tape<S>&, Var);                   \
-  template Var leaky_relu(Tape<S>&, Var, double);     \
-  template Var elu(Tape<S>&, Var);                    \
-  template Var gelu(Tape<S>&, Var);                   \
-  template Var silu(Tape<S>&, Var);                   \
-  template Var tanh(Tape<S>&, Var);                   \
-  template Var sigmoid(Tape<S>&, Var);                \
+#define INSTANTIATE(S)                            \
+  template Var relu(Tape<S>&, Var);               \
+  template Var leaky_relu(Tape<S>&, Var, double); \
+  template Var elu(Tape<S>&, Var);                \
+  template Var gelu(Tape<S>&, Var);               \
+  template Var silu(Tape<S>&, Var);               \
+  template Var tanh(Tape<S>&, Var);               \
+  template Var sigmoid(Tape<S>&, Var);            \
   template Var softplus(Tape<S>&, Var);
 IMSLAM_NN_FOR_EACH_SCALAR(INSTANTIATE)
 

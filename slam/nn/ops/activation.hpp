@@ -4,8 +4,8 @@
 
 namespace imslam::nn {
 
-// Number by number; y has the shape of x. Where a function has a kink its slope there is that of the
-// left side (relu: 0 at 0).
+// Number by number; y has the shape of x. Where a function has a kink its slope there is that of
+// the left side (relu: 0 at 0).
 
 template <typename S>
 Var relu(Tape<S>& tape, Var x);  ///< max(x, 0)

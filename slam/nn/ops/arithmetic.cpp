@@ -7,38 +7,62 @@ namespace {
 
 struct Add {
   template <typename S>
-  static S value(S a, S b) { return a + b; }
+  static S value(S a, S b) {
+    return a + b;
+  }
   template <typename S>
-  static S to_a(S dy, S, S) { return dy; }
+  static S to_a(S dy, S, S) {
+    return dy;
+  }
   template <typename S>
-  static S to_b(S dy, S, S) { return dy; }
+  static S to_b(S dy, S, S) {
+    return dy;
+  }
 };
 
 struct Subtract {
   template <typename S>
-  static S value(S a, S b) { return a - b; }
+  static S value(S a, S b) {
+    return a - b;
+  }
   template <typename S>
-  static S to_a(S dy, S, S) { return dy; }
+  static S to_a(S dy, S, S) {
+    return dy;
+  }
   template <typename S>
-  static S to_b(S dy, S, S) { return -dy; }
+  static S to_b(S dy, S, S) {
+    return -dy;
+  }
 };
 
 struct Multiply {
   template <typename S>
-  static S value(S a, S b) { return a * b; }
+  static S value(S a, S b) {
+    return a * b;
+  }
   template <typename S>
-  static S to_a(S dy, S, S b) { return dy * b; }
+  static S to_a(S dy, S, S b) {
+    return dy * b;
+  }
   template <typename S>
-  static S to_b(S dy, S a, S) { return dy * a; }
+  static S to_b(S dy, S a, S) {
+    return dy * a;
+  }
 };
 
 struct Divide {
   template <typename S>
-  static S value(S a, S b) { return a / b; }
+  static S value(S a, S b) {
+    return a / b;
+  }
   template <typename S>
-  static S to_a(S dy, S, S b) { return dy / b; }
+  static S to_a(S dy, S, S b) {
+    return dy / b;
+  }
   template <typename S>
-  static S to_b(S dy, S a, S b) { return -(dy * a) / (b * b); }
+  static S to_b(S dy, S a, S b) {
+    return -(dy * a) / (b * b);
+  }
 };
 
 /// Calls body(step_a, step_b) with steps that the compiler knows, so that it can vectorise.
@@ -129,10 +153,10 @@ Var divide(Tape<S>& tape, Var a, Var b) {
   return combine<Divide>(tape, a, b);
 }
 
-#define INSTANTIATE(S)                          \
-  template Var add(Tape<S>&, Var, Var);         \
-  template Var subtract(Tape<S>&, Var, Var);    \
-  template Var multiply(Tape<S>&, Var, Var);    \
+#define INSTANTIATE(S)                       \
+  template Var add(Tape<S>&, Var, Var);      \
+  template Var subtract(Tape<S>&, Var, Var); \
+  template Var multiply(Tape<S>&, Var, Var); \
   template Var divide(Tape<S>&, Var, Var);
 IMSLAM_NN_FOR_EACH_SCALAR(INSTANTIATE)
 

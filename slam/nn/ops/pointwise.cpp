@@ -8,16 +8,14 @@ template <typename S>
 Var exp(Tape<S>& tape, Var x) {
   return elementwise(
       tape, x,  //
-      [](auto X, auto Y) { Y = X.exp(); },
-      [](auto, auto Y, auto dY, auto dX) { dX += dY * Y; });
+      [](auto X, auto Y) { Y = X.exp(); }, [](auto, auto Y, auto dY, auto dX) { dX += dY * Y; });
 }
 
 template <typename S>
 Var log(Tape<S>& tape, Var x) {
   return elementwise(
       tape, x,  //
-      [](auto X, auto Y) { Y = X.log(); },
-      [](auto X, auto, auto dY, auto dX) { dX += dY / X; });
+      [](auto X, auto Y) { Y = X.log(); }, [](auto X, auto, auto dY, auto dX) { dX += dY / X; });
 }
 
 template <typename S>
@@ -80,15 +78,15 @@ Var stop_gradient(Tape<S>& tape, Var x) {
   return tape.alias(x, tape.shape(x));
 }
 
-#define INSTANTIATE(S)                                  \
-  template Var exp(Tape<S>&, Var);                      \
-  template Var log(Tape<S>&, Var);                      \
-  template Var sqrt(Tape<S>&, Var);                     \
-  template Var abs(Tape<S>&, Var);                      \
-  template Var square(Tape<S>&, Var);                   \
-  template Var clamp(Tape<S>&, Var, double, double);    \
-  template Var scale(Tape<S>&, Var, double);            \
-  template Var shift(Tape<S>&, Var, double);            \
+#define INSTANTIATE(S)                               \
+  template Var exp(Tape<S>&, Var);                   \
+  template Var log(Tape<S>&, Var);                   \
+  template Var sqrt(Tape<S>&, Var);                  \
+  template Var abs(Tape<S>&, Var);                   \
+  template Var square(Tape<S>&, Var);                \
+  template Var clamp(Tape<S>&, Var, double, double); \
+  template Var scale(Tape<S>&, Var, double);         \
+  template Var shift(Tape<S>&, Var, double);         \
   template Var stop_gradient(Tape<S>&, Var);
 IMSLAM_NN_FOR_EACH_SCALAR(INSTANTIATE)
 
