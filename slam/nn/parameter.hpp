@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "slam/nn/tensor.hpp"
@@ -13,6 +14,16 @@ template <typename S>
 struct Parameter {
   Parameter() = default;
   explicit Parameter(const Shape& shape, bool train = true) : value(shape), trainable(train) {}
+  // A copied network is another network: tensors alone would share their numbers.
+  Parameter(const Parameter& other)
+      : name(other.name), value(other.value.clone()), trainable(other.trainable) {}
+  Parameter(Parameter&&) = default;
+  Parameter& operator=(Parameter other) {
+    std::swap(name, other.name);
+    std::swap(value, other.value);
+    std::swap(trainable, other.trainable);
+    return *this;
+  }
 
   std::string name;  ///< "encoder.conv1.weight": set by ParameterList::add
   Tensor<S> value;

@@ -120,8 +120,8 @@ Var cross_entropy(Tape<S>& tape, Var logits, const std::vector<std::int32_t>& cl
 }
 
 template <typename S>
-Var cross_entropy(Tape<S>& tape, Var logits, Var targets) {
-  expects_shapes(tape.shape(logits) == tape.shape(targets), "cross_entropy: the same shape",
+Var soft_cross_entropy(Tape<S>& tape, Var logits, Var targets) {
+  expects_shapes(tape.shape(logits) == tape.shape(targets), "soft_cross_entropy: the same shape",
                  tape.shape(logits), tape.shape(targets));
   const Var terms = multiply(tape, log_softmax(tape, logits), targets);
   return scale(tape, sum(tape, terms, {-1}), -1.0);
@@ -160,7 +160,7 @@ Var student_t_nll_2d(Tape<S>& tape, Var residual, Var factor, double nu) {
   template Var squared_error(Tape<S>&, Var, Var);                              \
   template Var huber(Tape<S>&, Var, Var, double);                              \
   template Var cross_entropy(Tape<S>&, Var, const std::vector<std::int32_t>&); \
-  template Var cross_entropy(Tape<S>&, Var, Var);                              \
+  template Var soft_cross_entropy(Tape<S>&, Var, Var);                         \
   template Var binary_cross_entropy_with_logits(Tape<S>&, Var, Var);           \
   template Var gaussian_nll(Tape<S>&, Var, Var);                               \
   template Var student_t_nll(Tape<S>&, Var, Var, double);                      \

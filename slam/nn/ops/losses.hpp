@@ -23,7 +23,7 @@ template <typename S>
 Var cross_entropy(Tape<S>& tape, Var logits, const std::vector<std::int32_t>& classes);
 /// -sum_i target_i log softmax(logits)_i     targets [...,C], constant    y [...]
 template <typename S>
-Var cross_entropy(Tape<S>& tape, Var logits, Var targets);
+Var soft_cross_entropy(Tape<S>& tape, Var logits, Var targets);
 
 /// -t log sigmoid(x) - (1 - t) log(1 - sigmoid(x)) = max(x, 0) - x t + log(1 + e^-|x|)
 template <typename S>

@@ -100,7 +100,9 @@ inline std::vector<Tensor<double>> moved(const std::vector<Tensor<double>>& x,
   return y;
 }
 
-inline Tensor<double> slope(const Tensor<double>& ahead, const Tensor<double>& behind, double step) {
+inline Tensor<double> slope(const Tensor<double>& ahead,
+                            const Tensor<double>& behind,
+                            double step) {
   Tensor<double> difference(ahead.shape());
   difference.array() = (ahead.array() - behind.array()) / (2 * step);
   return difference;

@@ -1,5 +1,5 @@
-#include "slam/base/parallel.hpp"
 #include "slam/nn/ops/correlation.hpp"
+#include "slam/base/parallel.hpp"
 #include "slam/nn/ops/sampling.hpp"
 #include "tests/slam/nn/check_op.hpp"
 
@@ -66,8 +66,8 @@ TEST(CorrelatePoints, BilinearEqualsSamplingAndMultiplying) {
   const Tensor<double> centres = random_tensor({1, 5, 2}, random, -1, 7);
   Tape<double> t;
   const Var image = t.constant(b);
-  const Tensor<double> y = t.copy(correlate_points(t, t.constant(q), image, t.constant(centres),
-                                                   kStereo, Centre::kBilinear));
+  const Tensor<double> y = t.copy(
+      correlate_points(t, t.constant(q), image, t.constant(centres), kStereo, Centre::kBilinear));
   for (int k = 0; k < kStereo.count(); ++k) {
     Tensor<double> moved = centres.clone();
     moved.matrix().col(0).array() += kStereo.x(k);
@@ -120,7 +120,8 @@ TEST(Correlation, RejectsBilinearWindowsWithSteps) {
   const Var q = t.constant(Tensor<float>({1, 1, 1}));
   const Var b = t.constant(Tensor<float>({1, 1, 1, 1}));
   const Var c = t.constant(Tensor<float>({1, 1, 2}));
-  EXPECT_THROW(correlate_points(t, q, b, c, Window::square(2, 2), Centre::kBilinear), ContractError);
+  EXPECT_THROW(correlate_points(t, q, b, c, Window::square(2, 2), Centre::kBilinear),
+               ContractError);
 }
 
 }  // namespace

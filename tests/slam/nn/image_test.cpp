@@ -75,8 +75,7 @@ TEST(Sampling, Gradients) {
 TEST(Sampling, ReadsPixelsAndBetweenThem) {
   Tape<double> t;
   const Var image = t.constant(Tensor<double>({1, 2, 2, 1}, {1, 2, 3, 4}));
-  const Var points =
-      t.constant(Tensor<double>({1, 4, 2}, {0, 0, 1, 1, 0.5, 0.5, -3, 9}));
+  const Var points = t.constant(Tensor<double>({1, 4, 2}, {0, 0, 1, 1, 0.5, 0.5, -3, 9}));
   const Tensor<double> clamped = t.copy(bilinear_sample(t, image, points, Border::kClamp));
   EXPECT_EQ(clamped[0], 1);
   EXPECT_EQ(clamped[1], 4);

@@ -1,5 +1,5 @@
-#include "slam/nn/ops/gather.hpp"
 #include "slam/nn/ops/layout.hpp"
+#include "slam/nn/ops/gather.hpp"
 #include "slam/nn/ops/reduce.hpp"
 #include "tests/slam/nn/check_op.hpp"
 
@@ -31,8 +31,11 @@ TEST(Layout, Gradients) {
   check_op([](auto& t, const Vars& v) { return slice(t, v[0], -1, 3, 1); }, one);
   check_op([](auto& t, const Vars& v) { return pad(t, v[0], 1, 2, 1); }, one);
   check_op([](auto& t, const Vars& v) { return expand(t, v[0], {2, 3, 4}); }, {{3, 1}});
-  check_op([](auto& t, const Vars& v) { return concat(t, {v[0], v[1], v[0]}, 1); },
-           {{2, 3, 2}, {2, 1, 2}});
+  check_op(
+      [](auto& t, const Vars& v) {
+        return concat(t, {v[0], v[1], v[0]}, 1);
+      },
+      {{2, 3, 2}, {2, 1, 2}});
   check_op([](auto& t, const Vars& v) { return concat(t, {v[0], v[1]}, -1); }, {{3, 2}, {3, 5}});
 }
 

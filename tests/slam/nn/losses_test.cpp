@@ -1,3 +1,4 @@
+#include <Eigen/LU>
 #include <cmath>
 
 #include "slam/nn/ops/losses.hpp"
@@ -22,9 +23,10 @@ TEST(Losses, Gradients) {
   check_op([](auto& t, const Vars& v) { return squared_error(t, v[0], v[1]); }, kTwo);
   check_op([](auto& t, const Vars& v) { return huber(t, v[0], v[1], 0.5); }, kTwo);
   check_op([](auto& t, const Vars& v) { return cross_entropy(t, v[0], {1, 3, 0}); }, {{3, 4}});
-  check_op([](auto& t, const Vars& v) { return cross_entropy(t, v[0], softmax(t, v[1])); }, kTwo);
-  check_op(
-      [](auto& t, const Vars& v) { return binary_cross_entropy_with_logits(t, v[0], v[1]); }, kTwo);
+  check_op([](auto& t, const Vars& v) { return soft_cross_entropy(t, v[0], softmax(t, v[1])); },
+           kTwo);
+  check_op([](auto& t, const Vars& v) { return binary_cross_entropy_with_logits(t, v[0], v[1]); },
+           kTwo);
   check_op([](auto& t, const Vars& v) { return gaussian_nll(t, v[0], v[1]); }, kTwo);
   check_op([](auto& t, const Vars& v) { return student_t_nll(t, v[0], v[1], 3.0); }, kTwo);
   check_op([](auto& t, const Vars& v) { return student_t_nll_2d(t, v[0], v[1], 3.0); },
@@ -58,8 +60,8 @@ TEST(Losses, LikelihoodsHaveMassOne) {
   const auto with = [](auto&& loss) {
     return [loss](double r) {
       Tape<double> t(Mode::kInference);
-      return t.number(loss(t, t.constant(Tensor<double>({1}, {r})),
-                           t.constant(Tensor<double>({1}, {0.4}))));
+      return t.number(
+          loss(t, t.constant(Tensor<double>({1}, {r})), t.constant(Tensor<double>({1}, {0.4}))));
     };
   };
   EXPECT_NEAR(mass(with([](auto& t, Var r, Var s) { return gaussian_nll(t, r, s); })), 1.0, 1e-6);
@@ -100,7 +102,7 @@ TEST(Losses, DifferentShapesAreRejected) {
   const Var a = t.constant(Tensor<double>({2, 3}));
   const Var b = t.constant(Tensor<double>({3, 2}));
   EXPECT_THROW(huber(t, a, b, 1.0), ContractError);
-  EXPECT_THROW(cross_entropy(t, a, b), ContractError);
+  EXPECT_THROW(soft_cross_entropy(t, a, b), ContractError);
   EXPECT_THROW(student_t_nll_2d(t, b, a, 3.0), ContractError);
 }
 

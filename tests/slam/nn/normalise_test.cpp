@@ -15,7 +15,8 @@ TEST(Softmax, Gradients) {
   check_op([](auto& t, const Vars& v) { return softmax(t, v[0]); }, {{3, 5}});
   check_op([](auto& t, const Vars& v) { return log_softmax(t, v[0]); }, {{3, 5}});
   const Tensor<double> mask({2, 3}, {1, 0, 1, 1, 1, 0});
-  check_op([&](auto& t, const Vars& v) { return softmax(t, v[0], constant(t, mask)); }, {{2, 2, 3}});
+  check_op([&](auto& t, const Vars& v) { return softmax(t, v[0], constant(t, mask)); },
+           {{2, 2, 3}});
 }
 
 TEST(LogSoftmax, GradientsOfWhatTheMaskLeaves) {
@@ -53,7 +54,8 @@ TEST(Norm, Gradients) {
   loose.tolerance = 1e-6;
   check_op([](auto& t, const Vars& v) { return layer_norm(t, v[0], v[1], v[2]); },
            {{2, 3, 5}, {5}, {5}}, loose);
-  check_op([](auto& t, const Vars& v) { return layer_norm(t, v[0], Var{}, Var{}); }, {{3, 5}}, loose);
+  check_op([](auto& t, const Vars& v) { return layer_norm(t, v[0], Var{}, Var{}); }, {{3, 5}},
+           loose);
   check_op([](auto& t, const Vars& v) { return group_norm(t, v[0], v[1], v[2], 2); },
            {{2, 3, 2, 4}, {4}, {4}}, loose);
   check_op([](auto& t, const Vars& v) { return instance_norm(t, v[0], v[1], v[2]); },

@@ -1,6 +1,6 @@
+#include "slam/nn/ops/product.hpp"
 #include "slam/nn/ops/activation.hpp"
 #include "slam/nn/ops/convolution.hpp"
-#include "slam/nn/ops/product.hpp"
 #include "tests/slam/nn/check_op.hpp"
 
 namespace imslam::nn {

@@ -16,11 +16,9 @@ const std::vector<Shape> kGru{{2, 4, 3}, {2, 2}, {3, 6}, {6}, {2, 6}, {6}};
 
 TEST(Gru, Gradients) {
   check_op([](auto& t, const Vars& v) { return gru(t, v[0], v[1], v[2], v[3], v[4], v[5]); }, kGru);
-  check_op(
-      [](auto& t, const Vars& v) {
-        return last_state(t, gru(t, v[0], v[1], v[2], v[3], v[4], v[5]));
-      },
-      kGru);
+  check_op([](auto& t,
+              const Vars& v) { return last_state(t, gru(t, v[0], v[1], v[2], v[3], v[4], v[5])); },
+           kGru);
   check_op([](auto& t, const Vars& v) { return gru_cell(t, v[0], v[1], v[2], v[3], v[4], v[5]); },
            {{2, 3}, {2, 2}, {3, 6}, {6}, {2, 6}, {6}});
 }
@@ -40,10 +38,10 @@ TEST(Gru, EqualsTheFormulas) {
   for (Index n = 0; n < 2; ++n) {
     Eigen::VectorXd h = t.matrix(v[1]).row(n);
     for (Index k = 0; k < 4; ++k) {
-      const Eigen::VectorXd a = t.matrix(v[2]).transpose() * t.matrix(v[0]).row(n * 4 + k).transpose() +
-                                t.matrix(v[3]).row(0).transpose();
-      const Eigen::VectorXd c =
-          t.matrix(v[4]).transpose() * h + t.matrix(v[5]).row(0).transpose();
+      const Eigen::VectorXd a =
+          t.matrix(v[2]).transpose() * t.matrix(v[0]).row(n * 4 + k).transpose() +
+          t.matrix(v[3]).row(0).transpose();
+      const Eigen::VectorXd c = t.matrix(v[4]).transpose() * h + t.matrix(v[5]).row(0).transpose();
       for (Index i = 0; i < 2; ++i) {
         const double r = sigmoid(a[i] + c[i]);
         const double z = sigmoid(a[2 + i] + c[2 + i]);
@@ -60,8 +58,7 @@ TEST(Gru, ASequenceInTwoPiecesWithTheStateBetweenIsTheWhole) {
   const std::vector<Var> v = random_gru(t);
   const Var whole = gru(t, v[0], v[1], v[2], v[3], v[4], v[5]);
   const Var first = gru(t, slice(t, v[0], 1, 0, 1), v[1], v[2], v[3], v[4], v[5]);
-  const Var rest =
-      gru(t, slice(t, v[0], 1, 1, 3), last_state(t, first), v[2], v[3], v[4], v[5]);
+  const Var rest = gru(t, slice(t, v[0], 1, 1, 3), last_state(t, first), v[2], v[3], v[4], v[5]);
   EXPECT_TRUE((t.array(concat(t, {first, rest}, 1)) == t.array(whole)).all());
 }
 
@@ -91,14 +88,12 @@ TEST(Attention, EqualsTheFormulaHeadByHead) {
   const Tensor<double> k = random_tensor({1, 5, 4}, random, -1, 1);
   const Tensor<double> v = random_tensor({1, 5, 6}, random, -1, 1);
   Tape<double> t;
-  const Tensor<double> y =
-      t.copy(attention(t, t.constant(q), t.constant(k), t.constant(v), 2));
+  const Tensor<double> y = t.copy(attention(t, t.constant(q), t.constant(k), t.constant(v), 2));
   for (Index h = 0; h < 2; ++h) {
-    Eigen::MatrixXd weights =
-        (q.matrix().middleCols(2 * h, 2) * k.matrix().middleCols(2 * h, 2).transpose() /
-         std::sqrt(2.0))
-            .array()
-            .exp();
+    Eigen::MatrixXd weights = (q.matrix().middleCols(2 * h, 2) *
+                               k.matrix().middleCols(2 * h, 2).transpose() / std::sqrt(2.0))
+                                  .array()
+                                  .exp();
     weights = weights.array().colwise() / weights.rowwise().sum().array().eval();
     const Eigen::MatrixXd expected = weights * v.matrix().middleCols(3 * h, 3);
     EXPECT_LE((y.matrix().middleCols(3 * h, 3) - expected).cwiseAbs().maxCoeff(), 1e-14);
