@@ -25,6 +25,11 @@ float* Workspace::buffer(std::size_t slot, std::size_t floats) {
   return slots_[slot].grow(floats);
 }
 
+std::ptrdiff_t* Workspace::positions(std::size_t count) {
+  if (count > positions_.size()) positions_.resize(count);
+  return positions_.data();
+}
+
 Workspace::Lease::Lease(Workspace& workspace, std::size_t floats) : workspace_(workspace) {
   const std::lock_guard lock(workspace.mutex_);
   if (workspace.idle_.empty()) {

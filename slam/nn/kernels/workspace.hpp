@@ -21,6 +21,9 @@ class Workspace {
   /// with the same slot.
   float* buffer(std::size_t slot, std::size_t floats);
 
+  /// At least `count` positions, contents undefined; valid until the next call.
+  std::ptrdiff_t* positions(std::size_t count);
+
   /// One piece of scratch for the life of this object; thread-safe.
   class Lease {
    public:
@@ -47,6 +50,7 @@ class Workspace {
   };
 
   std::vector<Block> slots_;
+  std::vector<std::ptrdiff_t> positions_;
   std::mutex mutex_;  // guards what follows
   std::vector<Block> pieces_;
   std::vector<std::size_t> idle_;

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <utility>
+
+#include "slam/nn/kernels/packet_types.hpp"
+
+namespace imslam::nn::kernels {
+namespace {
+
+/// Rows of the tile of sums, R channels x Q packets.
+constexpr int max_channels(int packets) {
+  constexpr int kWide[] = {0, 16, 8, 8, 4};
+  constexpr int kNarrow[] = {0, 8, 6, 4, 2};
+  return kRegisters == 32 ? kWide[packets] : kNarrow[packets];
+}
+
+template <int R, int Q, int kPitch>
+void outer_tile(const OuterProduct& product, int first_channel) {
+  float* const to = product.sum + first_channel * Q * kLanes;
+  Packet sum[R][Q];
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+#pragma GCC unroll 4
+    for (int q = 0; q < Q; ++q) sum[r][q] = load(to + (r * Q + q) * kLanes);
+  }
+  const float* dy = product.dy;
+  for (int y = 0; y < product.rows; ++y) {
+    const float* x = product.x + y * product.x_row_pitch + first_channel;
+    for (int p = 0; p < product.pixels; ++p, x += kPitch, dy += Q * kLanes) {
+      Packet gradient[Q];
+#pragma GCC unroll 4
+      for (int q = 0; q < Q; ++q) gradient[q] = load(dy + q * kLanes);
+#pragma GCC unroll 16
+      for (int r = 0; r < R; ++r) {
+        const Packet value = pset1<Packet>(x[r]);
+#pragma GCC unroll 4
+        for (int q = 0; q < Q; ++q) sum[r][q] = pmadd(value, gradient[q], sum[r][q]);
+      }
+    }
+  }
+#pragma GCC unroll 16
+  for (int r = 0; r < R; ++r) {
+#pragma GCC unroll 4
+    for (int q = 0; q < Q; ++q) pstoreu(to + (r * Q + q) * kLanes, sum[r][q]);
+  }
+}
+
+using OuterTile = void (*)(const OuterProduct&, int);
+
+template <int Q, int kPitch, int... R>
+constexpr OuterTile choose_outer(int channels, std::integer_sequence<int, R...>) {
+  constexpr OuterTile kTiles[] = {outer_tile<R + 1, Q, kPitch>...};
+  return kTiles[channels - 1];
+}
+
+template <int Q, int kPitch>
+void split_channels(const OuterProduct& product) {
+  constexpr int kMax = max_channels(Q) < kPitch ? max_channels(Q) : kPitch;
+  const int tiles = (product.channels + kMax - 1) / kMax;
+  for (int t = 0, first = 0; t < tiles; ++t) {
+    const int channels = (product.channels - first + tiles - t - 1) / (tiles - t);
+    choose_outer<Q, kPitch>(channels, std::make_integer_sequence<int, kMax>())(product, first);
+    first += channels;
+  }
+}
+
+template <int kPitch>
+void outer_product_of_pitch(const OuterProduct& product) {
+  switch (product.packets) {
+    case 1:
+      return split_channels<1, kPitch>(product);
+    case 2:
+      return split_channels<2, kPitch>(product);
+    case 3:
+      return split_channels<3, kPitch>(product);
+    default:
+      return split_channels<4, kPitch>(product);
+  }
+}
+
+void outer_product(const OuterProduct& product) {
+  switch (product.pixel_pitch) {
+    case 1:
+      return outer_product_of_pitch<1>(product);
+    case 4:
+      return outer_product_of_pitch<4>(product);
+    default:
+      return outer_product_of_pitch<kBlock>(product);
+  }
+}
+
+}  // namespace
+}  // namespace imslam::nn::kernels
