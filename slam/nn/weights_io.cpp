@@ -76,6 +76,38 @@ std::string three_of(const std::vector<std::string>& names) {
   return names.size() > 3 ? fmt::format("{} and {} more", text, names.size() - 3) : text;
 }
 
+bool starts_with(const std::string& text, const std::string& prefix) {
+  return text.compare(0, prefix.size(), prefix) == 0;
+}
+
+/// What of the file does not fit to the parameters; empty if all does.
+std::string difference(const WeightsFile& file,
+                       const ParameterList<float>& parameters,
+                       const std::string& prefix) {
+  std::vector<std::string> missing;
+  std::vector<std::string> other_shape;
+  std::vector<std::string> unknown;
+  for (const Parameter<float>* parameter : parameters) {
+    const TensorEntry* const entry = file.find(prefix + parameter->name);
+    if (entry == nullptr) {
+      missing.push_back(prefix + parameter->name);
+    } else if (entry->shape != parameter->value.shape()) {
+      other_shape.push_back(fmt::format("{} {} instead of {}", entry->name, entry->shape.text(),
+                                        parameter->value.shape().text()));
+    }
+  }
+  for (const TensorEntry& entry : file.tensors()) {
+    const bool known = std::any_of(parameters.begin(), parameters.end(),
+                                   [&](const auto* p) { return entry.name == prefix + p->name; });
+    if (starts_with(entry.name, prefix) && !known) unknown.push_back(entry.name);
+  }
+  std::string problem;
+  if (!missing.empty()) problem += "missing tensors: " + three_of(missing) + "; ";
+  if (!unknown.empty()) problem += "unknown tensors: " + three_of(unknown) + "; ";
+  if (!other_shape.empty()) problem += "wrong shapes: " + three_of(other_shape) + "; ";
+  return problem;
+}
+
 }  // namespace
 
 WeightsFile WeightsFile::read(const std::filesystem::path& file) {
@@ -143,32 +175,10 @@ std::int64_t WeightsFile::integer(const std::string& tensor) const {
 void load_parameters(const WeightsFile& file,
                      const ParameterList<float>& parameters,
                      const std::string& prefix) {
-  std::vector<std::string> missing;
-  std::vector<std::string> other_shape;
-  std::vector<std::string> unknown;
-  for (const Parameter<float>* parameter : parameters) {
-    const TensorEntry* const entry = file.find(prefix + parameter->name);
-    if (entry == nullptr) {
-      missing.push_back(prefix + parameter->name);
-    } else if (entry->shape != parameter->value.shape()) {
-      other_shape.push_back(fmt::format("{} {} instead of {}", entry->name, entry->shape.text(),
-                                        parameter->value.shape().text()));
-    }
-  }
-  for (const TensorEntry& entry : file.tensors()) {
-    if (entry.name.compare(0, prefix.size(), prefix) != 0) continue;
-    const auto known = std::find_if(parameters.begin(), parameters.end(), [&](const auto* p) {
-      return entry.name.compare(prefix.size(), std::string::npos, p->name) == 0;
-    });
-    if (known == parameters.end()) unknown.push_back(entry.name);
-  }
-  std::string problem;
-  if (!missing.empty()) problem += "missing tensors: " + three_of(missing) + ". ";
-  if (!unknown.empty()) problem += "unknown tensors: " + three_of(unknown) + ". ";
-  if (!other_shape.empty()) problem += "wrong shapes: " + three_of(other_shape) + ". ";
+  const std::string problem = difference(file, parameters, prefix);
   if (!problem.empty()) {
     throw InputError(file.name() + ": the weights of another network; " + problem +
-                         "Give the weights that were trained for this one",
+                         "give the weights that were trained for this one",
                      ExitCode::kModel);
   }
   for (Parameter<float>* parameter : parameters) {

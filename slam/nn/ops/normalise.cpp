@@ -1,5 +1,7 @@
 #include "slam/nn/ops/normalise.hpp"
 
+#include <algorithm>
+
 namespace imslam::nn {
 namespace {
 
@@ -13,129 +15,149 @@ struct Sets {
 
   Index width() const { return channels / groups; }
   Index count() const { return pixels * width(); }  ///< numbers in a set
-  Index set_of(Index sample, Index channel) const { return sample * groups + channel / width(); }
-  Index offset(Index sample, Index pixel) const { return (sample * pixels + pixel) * channels; }
 };
 
-/// sums[set] = sum of term(offset, channel, set) over its numbers.
-template <typename S, typename Term>
-void sum_over_sets(const Sets& sets, Wide<S>* sums, const Term& term) {
-  std::fill_n(sums, sets.samples * sets.groups, Wide<S>(0));
-  for (Index n = 0; n < sets.samples; ++n) {
-    for (Index p = 0; p < sets.pixels; ++p) {
-      const Index row = sets.offset(n, p);
-      for (Index g = 0; g < sets.groups; ++g) {
-        Wide<S> sum(0);
-        for (Index c = g * sets.width(); c < (g + 1) * sets.width(); ++c) {
-          sum += Wide<S>(term(row + c, c, n * sets.groups + g));
-        }
-        sums[n * sets.groups + g] += sum;
-      }
-    }
+/// One number per channel; all passes run along channels, which are contiguous.
+template <typename S>
+using Channels = Eigen::Map<Eigen::Array<S, 1, Eigen::Dynamic>, Eigen::Aligned64>;
+
+template <typename S>
+Channels<S> channels_of(Scratch<S>& scratch, const Sets& sets) {
+  return {scratch.template zeros<S>(sets.channels), sets.channels};
+}
+
+/// Pixel p of sample n.
+template <typename S>
+Eigen::Map<Eigen::Array<S, 1, Eigen::Dynamic>> pixel(S* x, const Sets& sets, Index n, Index p) {
+  return {x + (n * sets.pixels + p) * sets.channels, sets.channels};
+}
+
+constexpr Index kPixelsPerSum = 64;  // short sums of floats, long ones of doubles
+
+/// Sums over the pixels of a sample: add(p, partial) adds what pixel p gives.
+template <typename S, typename Add>
+void sum_pixels(const Sets& sets, Channels<S> partial, Channels<Wide<S>> sums, const Add& add) {
+  sums = Wide<S>(0);
+  for (Index first = 0; first < sets.pixels; first += kPixelsPerSum) {
+    partial = S(0);
+    for (Index p = first; p < std::min(first + kPixelsPerSum, sets.pixels); ++p) add(p, partial);
+    sums += partial.template cast<Wide<S>>();
   }
 }
 
-/// visit(offset, channel, set) for all numbers.
-template <typename Visit>
-void for_each_number(const Sets& sets, const Visit& visit) {
-  for (Index n = 0; n < sets.samples; ++n) {
-    for (Index p = 0; p < sets.pixels; ++p) {
-      const Index row = sets.offset(n, p);
-      for (Index g = 0; g < sets.groups; ++g) {
-        for (Index c = g * sets.width(); c < (g + 1) * sets.width(); ++c) {
-          visit(row + c, c, n * sets.groups + g);
-        }
-      }
-    }
+/// The mean over the sets of sample n from its sums per channel.
+template <typename S>
+void mean_of_sets(const Sets& sets, Channels<Wide<S>> sums, S* means) {
+  const Wide<S> share(1.0 / static_cast<double>(std::max<Index>(sets.count(), 1)));
+  for (Index g = 0; g < sets.groups; ++g) {
+    means[g] = S(sums.segment(g * sets.width(), sets.width()).sum() * share);
   }
+}
+
+/// Each set's number for all of its channels.
+template <typename S>
+void spread(const Sets& sets, const S* per_set, Channels<S> per_channel) {
+  for (Index c = 0; c < sets.channels; ++c) per_channel[c] = per_set[c / sets.width()];
 }
 
 template <typename S>
-S inverse_deviation(const S& variance) {
-  using std::sqrt;
-  return S(1) / sqrt(variance + S(kNormEpsilon));
+void inverse_deviations(const Sets& sets, const S* variances, Channels<S> per_channel) {
+  spread(sets, variances, per_channel);
+  per_channel = (per_channel + S(kNormEpsilon)).sqrt().inverse();
+}
+
+/// gain, or ones.
+template <typename S>
+void fill_gain(const Tape<S>& tape, Var gain, Channels<S> per_channel) {
+  if (gain) {
+    std::copy_n(tape.data(gain), per_channel.size(), per_channel.data());
+  } else {
+    per_channel = S(1);
+  }
 }
 
 template <typename S>
 void backward(
     Tape<S>& t, const Sets& sets, const BatchNormResult& result, Var x, Var gain, Var bias) {
-  const Index count = sets.samples * sets.groups;
   Scratch<S> scratch(t);
-  const S* const X = t.data(x);
-  const S* const dY = t.gradient_data(result.y);
-  const S* const m = t.data(result.mean);
-  const S* const G = gain ? t.data(gain) : nullptr;
-  S* const r = scratch.template array<S>(count);
-  for (Index s = 0; s < count; ++s) r[s] = inverse_deviation(t.data(result.variance)[s]);
-  const auto h = [&](Index i, Index set) { return (X[i] - m[set]) * r[set]; };
-  const auto dh = [&](Index i, Index c) { return G == nullptr ? dY[i] : dY[i] * G[c]; };
-
-  if (t.wants_gradient(x)) {
-    Wide<S>* const sum_dh = scratch.template array<Wide<S>>(count);
-    Wide<S>* const sum_dh_h = scratch.template array<Wide<S>>(count);
-    sum_over_sets<S>(sets, sum_dh, [&](Index i, Index c, Index) { return dh(i, c); });
-    sum_over_sets<S>(sets, sum_dh_h, [&](Index i, Index c, Index s) { return dh(i, c) * h(i, s); });
-    S* const dX = t.gradient_data(x);
-    const S share = S(1.0 / static_cast<double>(sets.count()));
-    for_each_number(sets, [&](Index i, Index c, Index s) {
-      dX[i] += r[s] * (dh(i, c) - share * S(sum_dh[s]) - h(i, s) * share * S(sum_dh_h[s]));
+  Channels<S> m = channels_of(scratch, sets);
+  Channels<S> r = channels_of(scratch, sets);
+  Channels<S> g = channels_of(scratch, sets);
+  Channels<S> partial = channels_of(scratch, sets);
+  Channels<S> mean_dh = channels_of(scratch, sets);
+  Channels<S> mean_dh_h = channels_of(scratch, sets);
+  S* const per_set = scratch.template zeros<S>(sets.groups);
+  Channels<Wide<S>> sums(scratch.template zeros<Wide<S>>(sets.channels), sets.channels);
+  fill_gain(t, gain, g);
+  S* const X = t.data(x);
+  S* const dY = t.gradient_data(result.y);
+  for (Index n = 0; n < sets.samples; ++n) {
+    spread<S>(sets, t.data(result.mean) + n * sets.groups, m);
+    inverse_deviations<S>(sets, t.data(result.variance) + n * sets.groups, r);
+    const auto take_means = [&](Var affine, Channels<S> means) {
+      if (t.wants_gradient(affine)) t.gradient_matrix(affine).array() += sums.template cast<S>();
+      sums *= g.template cast<Wide<S>>();
+      mean_of_sets<S>(sets, sums, per_set);
+      spread<S>(sets, per_set, means);
+    };
+    sum_pixels<S>(sets, partial, sums,
+                  [&](Index p, Channels<S>& sum) { sum += pixel(dY, sets, n, p); });
+    take_means(bias, mean_dh);
+    sum_pixels<S>(sets, partial, sums, [&](Index p, Channels<S>& sum) {
+      sum += pixel(dY, sets, n, p) * (pixel(X, sets, n, p) - m) * r;
     });
+    take_means(gain, mean_dh_h);
+    if (!t.wants_gradient(x)) continue;
+    S* const dX = t.gradient_data(x);
+    for (Index p = 0; p < sets.pixels; ++p) {
+      pixel(dX, sets, n, p) +=
+          r * (pixel(dY, sets, n, p) * g - mean_dh - (pixel(X, sets, n, p) - m) * r * mean_dh_h);
+    }
   }
-  Wide<S>* const sums = scratch.template zeros<Wide<S>>(2 * sets.channels);
-  for_each_number(sets, [&](Index i, Index c, Index s) {
-    sums[c] += Wide<S>(dY[i] * h(i, s));
-    sums[sets.channels + c] += Wide<S>(dY[i]);
-  });
-  for (Index c = 0; c < sets.channels; ++c) {
-    if (t.wants_gradient(gain)) t.gradient_data(gain)[c] += S(sums[c]);
-    if (t.wants_gradient(bias)) t.gradient_data(bias)[c] += S(sums[sets.channels + c]);
-  }
-}
-
-template <typename S>
-void fill_statistics(Tape<S>& tape, const Sets& sets, Var x, Var mean, Var variance) {
-  const Index count = sets.samples * sets.groups;
-  Scratch<S> scratch(tape);
-  Wide<S>* const sums = scratch.template array<Wide<S>>(count);
-  const S* const X = tape.data(x);
-  S* const m = tape.data(mean);
-  S* const v = tape.data(variance);
-  const Wide<S> share(1.0 / static_cast<double>(std::max<Index>(sets.count(), 1)));
-  sum_over_sets<S>(sets, sums, [&](Index i, Index, Index) { return X[i]; });
-  for (Index s = 0; s < count; ++s) m[s] = S(sums[s] * share);
-  sum_over_sets<S>(sets, sums,
-                   [&](Index i, Index, Index s) { return (X[i] - m[s]) * (X[i] - m[s]); });
-  for (Index s = 0; s < count; ++s) v[s] = S(sums[s] * share);
 }
 
 template <typename S>
 BatchNormResult normalise(Tape<S>& tape, const Sets& sets, Var x, Var gain, Var bias) {
-  const Shape of_affine{sets.channels};
-  expects_shapes(!gain || tape.shape(gain) == of_affine, "norm: gain [C]", of_affine,
-                 gain ? tape.shape(gain) : of_affine);
-  expects_shapes(!bias || tape.shape(bias) == of_affine, "norm: bias [C]", of_affine,
-                 bias ? tape.shape(bias) : of_affine);
   const Index count = sets.samples * sets.groups;
   const BatchNormResult result{tape.make(tape.shape(x)), tape.make(Shape{count}),
                                tape.make(Shape{count})};
-  fill_statistics(tape, sets, x, result.mean, result.variance);
   Scratch<S> scratch(tape);
-  S* const r = scratch.template array<S>(count);
-  for (Index s = 0; s < count; ++s) r[s] = inverse_deviation(tape.data(result.variance)[s]);
-  const S* const X = tape.data(x);
-  const S* const m = tape.data(result.mean);
-  const S* const G = gain ? tape.data(gain) : nullptr;
-  const S* const B = bias ? tape.data(bias) : nullptr;
+  Channels<S> m = channels_of(scratch, sets);
+  Channels<S> r = channels_of(scratch, sets);
+  Channels<S> g = channels_of(scratch, sets);
+  Channels<S> b = channels_of(scratch, sets);
+  Channels<S> partial = channels_of(scratch, sets);
+  Channels<Wide<S>> sums(scratch.template zeros<Wide<S>>(sets.channels), sets.channels);
+  fill_gain(tape, gain, g);
+  if (bias) std::copy_n(tape.data(bias), sets.channels, b.data());
+  S* const X = tape.data(x);
   S* const Y = tape.data(result.y);
-  for_each_number(sets, [&](Index i, Index c, Index s) {
-    const S h = (X[i] - m[s]) * r[s];
-    Y[i] = (G == nullptr ? h : G[c] * h) + (B == nullptr ? S(0) : B[c]);
-  });
+  for (Index n = 0; n < sets.samples; ++n) {
+    S* const mean = tape.data(result.mean) + n * sets.groups;
+    S* const variance = tape.data(result.variance) + n * sets.groups;
+    sum_pixels<S>(sets, partial, sums,
+                  [&](Index p, Channels<S>& sum) { sum += pixel(X, sets, n, p); });
+    mean_of_sets<S>(sets, sums, mean);
+    spread<S>(sets, mean, m);
+    sum_pixels<S>(sets, partial, sums,
+                  [&](Index p, Channels<S>& sum) { sum += (pixel(X, sets, n, p) - m).square(); });
+    mean_of_sets<S>(sets, sums, variance);
+    inverse_deviations<S>(sets, variance, r);
+    for (Index p = 0; p < sets.pixels; ++p) {
+      pixel(Y, sets, n, p) = (pixel(X, sets, n, p) - m) * r * g + b;
+    }
+  }
   return result;
+}
+
+void expect_affine(const Shape& actual, Index channels) {
+  expects_shapes(actual == Shape{channels}, "norm: gain and bias [C]", actual, {channels});
 }
 
 template <typename S>
 BatchNormResult record_norm(Tape<S>& tape, const Sets& sets, Var x, Var gain, Var bias) {
+  if (gain) expect_affine(tape.shape(gain), sets.channels);
+  if (bias) expect_affine(tape.shape(bias), sets.channels);
   const BatchNormResult result = normalise(tape, sets, x, gain, bias);
   tape.record(result.y, {x, gain, bias},
               [=](Tape<S>& t) { backward(t, sets, result, x, gain, bias); });

@@ -254,7 +254,7 @@ TEST(Weights, TheWeightsOfAnotherNetworkAreRefusedByName) {
 
 TEST(Weights, MissingFilesFoldersAndDevicesAreRefused) {
   const TempDir dir;
-  for (const std::string path :
+  for (const std::string& path :
        {dir.path().string() + "/none", dir.path().string(), std::string("/dev/zero")}) {
     try {
       WeightsFile::read(path);
