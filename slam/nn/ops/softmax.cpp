@@ -27,22 +27,28 @@ bool counts(const S* mask, Index i) {
   return mask == nullptr || mask[i] != S(0);
 }
 
-/// log sum exp over the channels that count; `any` is false if none does.
+/// sum_j e^{x_j} = e^largest sum, over the channels that count; sum = 0 if none does. Kept apart: added
+/// to a large `largest`, the logarithm of the sum would lose its digits.
 template <typename S>
-S log_sum_exp(const S* x, const S* mask, Index width, bool& any) {
+struct ExpSum {
+  S largest = S(0);
+  S sum = S(0);
+};
+
+template <typename S>
+ExpSum<S> exp_sum(const S* x, const S* mask, Index width) {
   using std::exp;
-  using std::log;
-  any = false;
-  S largest(0);
+  ExpSum<S> result;
+  bool any = false;
   for (Index i = 0; i < width; ++i) {
-    if (counts(mask, i) && (!any || x[i] > largest)) largest = x[i];
-    any = any || counts(mask, i);
+    if (!counts(mask, i)) continue;
+    if (!any || x[i] > result.largest) result.largest = x[i];
+    any = true;
   }
-  S sum(0);
   for (Index i = 0; i < width; ++i) {
-    if (counts(mask, i)) sum += exp(x[i] - largest);
+    if (counts(mask, i)) result.sum += exp(x[i] - result.largest);
   }
-  return any ? S(largest + log(sum)) : S(0);
+  return result;
 }
 
 }  // namespace
@@ -58,9 +64,10 @@ Var softmax(Tape<S>& tape, Var x, Var mask) {
     const S* const X = tape.data(x) + r * width;
     const S* const m = mask_row(tape, mask, r);
     S* const Y = tape.data(y) + r * width;
-    bool any = false;
-    const S total = log_sum_exp(X, m, width, any);
-    for (Index i = 0; i < width; ++i) Y[i] = counts(m, i) ? S(exp(X[i] - total)) : S(0);
+    const ExpSum<S> total = exp_sum(X, m, width);
+    for (Index i = 0; i < width; ++i) {
+      Y[i] = counts(m, i) ? S(exp(X[i] - total.largest) / total.sum) : S(0);
+    }
   }
   return tape.record(y, {x}, [=](Tape<S>& t) {
     const MatrixMap<S> Y = t.matrix(y);
@@ -75,6 +82,7 @@ Var softmax(Tape<S>& tape, Var x, Var mask) {
 
 template <typename S>
 Var log_softmax(Tape<S>& tape, Var x, Var mask) {
+  using std::log;
   expect_mask(tape, x, mask);
   const Shape shape = tape.shape(x);
   const Index width = shape.channels();
@@ -83,10 +91,9 @@ Var log_softmax(Tape<S>& tape, Var x, Var mask) {
     const S* const X = tape.data(x) + r * width;
     const S* const m = mask_row(tape, mask, r);
     S* const Y = tape.data(y) + r * width;
-    bool any = false;
-    const S total = log_sum_exp(X, m, width, any);
+    const ExpSum<S> total = exp_sum(X, m, width);
     for (Index i = 0; i < width; ++i) {
-      Y[i] = counts(m, i) ? S(X[i] - total) : S(kMaskedLogProbability);
+      Y[i] = counts(m, i) ? S(X[i] - total.largest - log(total.sum)) : S(kMaskedLogProbability);
     }
   }
   return tape.record(y, {x}, [=](Tape<S>& t) {
