@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 #include "slam/base/error.hpp"
@@ -14,6 +16,7 @@ using Json = nlohmann::json;
 
 constexpr std::size_t kMostTensors = 16384;
 constexpr std::size_t kLongestName = 256;
+constexpr std::size_t kLongestText = 16384;
 constexpr std::uint64_t kLargestSize = std::uint64_t{1} << 62U;
 constexpr const char* kMetadataKey = "__metadata__";
 
@@ -198,6 +201,23 @@ void expect_unique_names(const std::string& file, const std::vector<TensorEntry>
   if (twice != names.end()) fail_model(file, fmt::format("tensor '{}' stands twice", *twice));
 }
 
+/// Whether a text, number or word of the JSON is longer than what a JSON reader should be asked to
+/// hold: it keeps several copies of the one that it is at.
+bool has_long_token(std::string_view json) {
+  std::size_t length = 0;
+  bool in_text = false;
+  bool escaped = false;
+  for (const char c : json) {
+    const bool quote = c == '"' && !escaped;
+    escaped = in_text && c == '\\' && !escaped;
+    if (quote) in_text = !in_text;
+    const bool between = !in_text && std::strchr(" \t\r\n,:[]{}", c) != nullptr;
+    length = quote || between ? 0 : length + 1;
+    if (length > kLongestText) return true;
+  }
+  return false;
+}
+
 /// Ranges must follow one another from 0 to the end of the data.
 void expect_tiling(const std::string& file,
                    const std::vector<TensorEntry>& tensors,
@@ -231,6 +251,7 @@ void fail_model(const std::string& file, const std::string& what) {
 WeightsHeader parse_weights_header(const std::string& file,
                                    std::string_view json,
                                    std::uint64_t data_bytes) {
+  if (has_long_token(json)) fail_model(file, "the header holds a text above 16 kB");
   WeightsHeader header;
   HeaderReader reader(header);
   if (!Json::sax_parse(json.begin(), json.end(), &reader)) fail_model(file, reader.problem());
@@ -254,6 +275,7 @@ std::string print_weights_header(const WeightsHeader& header) {
   }
   constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
   std::string text = json.dump(-1, ' ', false, kReplace);
+  expects(!has_long_token(text), "print_weights_header: metadata texts of at most 16 kB");
   text.resize((text.size() + 7) / 8 * 8, ' ');
   return text;
 }

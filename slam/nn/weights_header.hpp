@@ -15,7 +15,7 @@ enum class NumberType { kF16, kBF16, kF32, kF64, kI64 };
 const char* name_of(NumberType type);  ///< "F32"
 std::size_t bytes_of(NumberType type);
 
-/// Free text about the file by key, e.g. the model card.
+/// Free text about the file by key, e.g. the model card; at most 16 kB each.
 using Metadata = std::map<std::string, std::string>;
 
 /// Where one tensor lies in a weight file.

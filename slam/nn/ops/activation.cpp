@@ -20,16 +20,23 @@ template <typename S>
 Var relu(Tape<S>& tape, Var x) {
   return elementwise(
       tape, x,  //
-      [](auto X, auto Y) { Y = (X > S(0)).select(X, S(0)); },
-      [](auto, auto Y, auto dY, auto dX) { dX += (Y > S(0)).select(dY, S(0)); });
+      [](auto X, auto Y) { Y = (X < S(0)).select(S(0), X); },
+      [](auto, auto Y, auto dY, auto dX) {
+        S* const d = dX.data();
+        through_relu(Y.size(), Y.data(), dY.data(), S(0), [d](Index i, S v) { d[i] += v; });
+      });
 }
 
 template <typename S>
 Var leaky_relu(Tape<S>& tape, Var x, double slope) {
+  expects(slope >= 0.0, "leaky_relu: slope must not be negative");
   return elementwise(
       tape, x,  //
       [slope](auto X, auto Y) { Y = (X > S(0)).select(X, S(slope) * X); },
-      [slope](auto X, auto, auto dY, auto dX) { dX += (X > S(0)).select(dY, S(slope) * dY); });
+      [slope](auto, auto Y, auto dY, auto dX) {
+        S* const d = dX.data();
+        through_relu(Y.size(), Y.data(), dY.data(), S(slope), [d](Index i, S v) { d[i] += v; });
+      });
 }
 
 template <typename S>

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "slam/nn/ops/elementwise.hpp"
 #include "slam/nn/ops/layout.hpp"
 #include "slam/nn/ops/plain_convolution.hpp"
 
@@ -37,11 +38,9 @@ Shape output_shape(const ConvolutionShape& s) {
   return {s.batch, s.out_height(), s.out_width(), s.out_channels};
 }
 
-/// dz = dy activation'(z), told from y because both functions keep the sign.
-template <typename S>
-void through_activation(Activation activation, ConstArrayMap<S> Y, ConstArrayMap<S> dY, S* dz) {
-  const S below(activation == Activation::kLeakyRelu ? double(kLeakySlope) : 0.0);
-  ArrayMap<S>(dz, Y.size()) = (Y > S(0)).select(dY, below * dY);
+/// What a fused activation multiplies numbers below zero with.
+double slope_below_zero(Activation activation) {
+  return activation == Activation::kLeakyRelu ? double(kLeakySlope) : 0.0;
 }
 
 template <typename S>
@@ -52,7 +51,8 @@ void conv_backward(
   const S* dz = t.gradient_data(y);
   if (activation != Activation::kNone) {
     S* const masked = scratch.template array<S>(size);
-    through_activation<S>(activation, {t.data(y), size}, {dz, size}, masked);
+    through_relu(size, t.data(y), dz, S(slope_below_zero(activation)),
+                 [masked](Index i, S v) { masked[i] = v; });
     dz = masked;
   }
   t.accumulate_overwriting(

@@ -27,17 +27,17 @@ bool counts(const S* mask, Index i) {
   return mask == nullptr || mask[i] != S(0);
 }
 
-/// sum_j e^{x_j} = e^largest sum, over the channels that count; sum = 0 if none does. Kept apart: added
-/// to a large `largest`, the logarithm of the sum would lose its digits.
+/// sum_j e^{x_j} = e^largest sum, over the channels that count; sum = 0 if none does. Kept apart:
+/// added to a large `largest`, the logarithm of the sum would lose its digits.
 template <typename S>
 struct ExpSum {
   S largest = S(0);
   S sum = S(0);
 };
 
+/// y_i = e^{x_i - largest}, 0 where masked.
 template <typename S>
-ExpSum<S> exp_sum(const S* x, const S* mask, Index width) {
-  using std::exp;
+ExpSum<S> exponentials(const S* x, const S* mask, Index width, S* y) {
   ExpSum<S> result;
   bool any = false;
   for (Index i = 0; i < width; ++i) {
@@ -45,9 +45,14 @@ ExpSum<S> exp_sum(const S* x, const S* mask, Index width) {
     if (!any || x[i] > result.largest) result.largest = x[i];
     any = true;
   }
-  for (Index i = 0; i < width; ++i) {
-    if (counts(mask, i)) result.sum += exp(x[i] - result.largest);
+  // What is masked may be anything: its exponential must not overflow on the way.
+  for (Index i = 0; i < width; ++i) y[i] = counts(mask, i) ? S(x[i] - result.largest) : S(0);
+  Eigen::Map<Eigen::Array<S, Eigen::Dynamic, 1>> row(y, width);
+  row = row.exp();
+  for (Index i = 0; mask != nullptr && i < width; ++i) {
+    if (!counts(mask, i)) y[i] = S(0);
   }
+  result.sum = row.sum();
   return result;
 }
 
@@ -55,7 +60,6 @@ ExpSum<S> exp_sum(const S* x, const S* mask, Index width) {
 
 template <typename S>
 Var softmax(Tape<S>& tape, Var x, Var mask) {
-  using std::exp;
   expect_mask(tape, x, mask);
   const Shape shape = tape.shape(x);
   const Index width = shape.channels();
@@ -64,10 +68,8 @@ Var softmax(Tape<S>& tape, Var x, Var mask) {
     const S* const X = tape.data(x) + r * width;
     const S* const m = mask_row(tape, mask, r);
     S* const Y = tape.data(y) + r * width;
-    const ExpSum<S> total = exp_sum(X, m, width);
-    for (Index i = 0; i < width; ++i) {
-      Y[i] = counts(m, i) ? S(exp(X[i] - total.largest) / total.sum) : S(0);
-    }
+    const ExpSum<S> total = exponentials(X, m, width, Y);
+    for (Index i = 0; i < width; ++i) Y[i] = counts(m, i) ? S(Y[i] / total.sum) : S(0);
   }
   return tape.record(y, {x}, [=](Tape<S>& t) {
     const MatrixMap<S> Y = t.matrix(y);
@@ -91,9 +93,10 @@ Var log_softmax(Tape<S>& tape, Var x, Var mask) {
     const S* const X = tape.data(x) + r * width;
     const S* const m = mask_row(tape, mask, r);
     S* const Y = tape.data(y) + r * width;
-    const ExpSum<S> total = exp_sum(X, m, width);
+    const ExpSum<S> total = exponentials(X, m, width, Y);
+    const S log_sum = log(total.sum);
     for (Index i = 0; i < width; ++i) {
-      Y[i] = counts(m, i) ? S(X[i] - total.largest - log(total.sum)) : S(kMaskedLogProbability);
+      Y[i] = counts(m, i) ? S(X[i] - total.largest - log_sum) : S(kMaskedLogProbability);
     }
   }
   return tape.record(y, {x}, [=](Tape<S>& t) {

@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <malloc.h>
+
 #include <atomic>
 #include <cstdlib>
 #include <new>
+#include <string>
 
 #include "slam/nn/layers/attention.hpp"
 #include "slam/nn/layers/conv.hpp"
@@ -16,17 +19,27 @@
 #include "slam/nn/ops/reduce.hpp"
 #include "slam/nn/ops/resize.hpp"
 #include "slam/nn/ops/sampling.hpp"
+#include "slam/nn/weights_io.hpp"
 
 namespace {
 
 std::atomic<long> allocations{0};
+std::atomic<long> held_bytes{0};
+std::atomic<long> most_held_bytes{0};
 
 void* counted(std::size_t size, std::size_t alignment) {
   ++allocations;
   const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
   void* const memory = std::aligned_alloc(alignment, rounded);
   if (memory == nullptr) throw std::bad_alloc();
+  const long held = held_bytes += static_cast<long>(malloc_usable_size(memory));
+  if (held > most_held_bytes) most_held_bytes = held;
   return memory;
+}
+
+void release(void* memory) {
+  if (memory != nullptr) held_bytes -= static_cast<long>(malloc_usable_size(memory));
+  std::free(memory);
 }
 
 }  // namespace
@@ -36,10 +49,10 @@ void* operator new(std::size_t size) { return counted(size, alignof(std::max_ali
 void* operator new(std::size_t size, std::align_val_t alignment) {
   return counted(size, static_cast<std::size_t>(alignment));
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept { release(memory); }
+void operator delete(void* memory, std::size_t) noexcept { release(memory); }
+void operator delete(void* memory, std::align_val_t) noexcept { release(memory); }
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { release(memory); }
 
 namespace imslam::nn {
 namespace {
@@ -108,6 +121,48 @@ TEST(Allocation, InferenceGivesTheNumbersOfTraining) {
   Tape<float> inference(Mode::kInference);
   EXPECT_EQ(training.number(network.forward(training, training.constant(image))),
             inference.number(network.forward(inference, inference.constant(image))));
+}
+
+/// The most memory held while a file is read or refused, the file itself included.
+long peak_of(std::string bytes) {
+  const long before = held_bytes - static_cast<long>(malloc_usable_size(bytes.data()));
+  most_held_bytes = held_bytes.load();
+  try {
+    WeightsFile::parse("m", std::move(bytes));
+  } catch (const InputError&) {
+    // which it should be
+  }
+  return most_held_bytes - before;
+}
+
+TEST(Allocation, ReadingAWeightFileTakesAtMostTwiceItsSize) {
+  const auto file = [](const std::string& json, std::size_t data_bytes) {
+    std::string bytes(8 + json.size() + data_bytes, '\0');
+    for (unsigned i = 0; i < 8; ++i)
+      bytes[i] = static_cast<char>((json.size() >> (8U * i)) & 0xFFU);
+    std::copy(json.begin(), json.end(), bytes.begin() + 8);
+    return bytes;
+  };
+  constexpr std::size_t kMany = 1000000;
+  std::string sizes;
+  for (std::size_t i = 0; i < kMany / 2; ++i) sizes += "1,";
+  const std::string tensor = "\"dtype\":\"F32\",\"data_offsets\":[0,4]";
+  const std::vector<std::string> files{
+      file("{\"a\":{\"shape\":[1]," + tensor + "}}", 4),
+      file("{\"a\":{\"shape\":[4611686018427387904]," + tensor + "}}", 4),
+      file("{\"a\":{\"shape\":[250000],\"dtype\":\"F32\",\"data_offsets\":[0,1000000]}}", kMany),
+      std::string(8, '\xFF') + std::string(kMany, ' '),
+      file(std::string(kMany, '['), 0),
+      file("{\"a\":{\"shape\":[" + sizes + "1]," + tensor + "}}", 4),
+      file("{\"" + std::string(kMany, 'a') + "\":{}}", 0),
+      file("{\"__metadata__\":{\"a\":\"" + std::string(kMany, 'a') + "\"}}", 0),
+      file("{\"a\":{\"dtype\":\"" + std::string(kMany, 'a') + "\"}}", 0),
+  };
+  constexpr long kSmallThings = 65536;  // messages, one text of the header
+  for (const std::string& bytes : files) {
+    const auto size = static_cast<long>(bytes.size());
+    EXPECT_LE(peak_of(bytes), 2 * size + kSmallThings) << bytes.substr(8, 40);
+  }
 }
 
 }  // namespace

@@ -106,6 +106,9 @@ std::vector<Malformed> malformed_headers() {
       {"metadata not text", file_of(R"({"__metadata__":{"a":1}})", ""), "a number"},
       {"metadata key twice", file_of(R"({"__metadata__":{"a":"1","a":"2"}})", ""), "twice"},
       {"metadata twice", file_of(R"({"__metadata__":{},"__metadata__":{}})", ""), "twice"},
+      {"long text", file_of("{\"__metadata__\":{\"a\":\"" + std::string(20000, 'a') + "\"}}", ""),
+       "above 16 kB"},
+      {"long number", file_of("{\"a\":" + std::string(20000, '1') + "}", ""), "above 16 kB"},
       {"empty name", file_of("{\"\":{" + good + "}}", kEight), "length 0"},
   };
 }
