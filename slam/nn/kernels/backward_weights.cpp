@@ -73,6 +73,14 @@ void accumulate_strip(const Job& job, const Strip& strip, float* packed, float* 
     float* const group_sums =
         sums + job.groups.padded() + std::ptrdiff_t{group.first_channel} * job.tap_count * inputs;
     product.packets = group.packets;
+    if (job.grid.pixel_pitch() < kBlock) {
+      product.x = packed;
+      product.taps = job.taps;
+      product.channels = job.tap_count * inputs;
+      product.sum = group_sums;
+      job.table.outer_product(product);
+      continue;
+    }
     for (int b = 0; b < job.grid.blocks(); ++b) {
       product.channels = std::min(kBlock, inputs - b * kBlock);
       for (int tap = 0; tap < job.tap_count; ++tap) {
@@ -115,9 +123,10 @@ void sum_outer_products(const Job& job, float* dw, float* db) {
       strips, static_cast<int>(std::clamp(pixels / kChunkPixels, 1.0, double(kMostChunks))));
   float* const sums = job.workspace.buffer(1, size * static_cast<std::size_t>(chunks));
   const auto chunk = [&job, sums, size, strips, chunks](std::size_t index) {
-    const std::size_t dy_size = static_cast<std::size_t>(job.grid.most_rows()) *
-                                static_cast<std::size_t>(job.grid.longest_row()) *
-                                static_cast<std::size_t>(kMaxPackets * job.groups.lanes());
+    const std::size_t dy_size =
+        static_cast<std::size_t>(job.grid.most_rows()) *
+        static_cast<std::size_t>(job.grid.longest_row()) *
+        static_cast<std::size_t>(job.table.most_packets * job.groups.lanes());
     const Workspace::Lease packed(job.workspace, job.grid.packed_size() + dy_size);
     float* const own = sums + index * size;
     std::fill_n(own, size, 0.0F);
@@ -149,12 +158,16 @@ void convolution_backward_weights(const ConvolutionShape& shape,
   const kernels::StripGrid grid(convolution.vertical, convolution.horizontal, shape.batch,
                                 shape.in_channels, kernels::kLimits);
   const int tap_count = shape.kernel_height * shape.kernel_width;
-  std::ptrdiff_t* taps = workspace->positions(static_cast<std::size_t>(tap_count));
-  for (int tap = 0; tap < tap_count; ++tap) {
-    taps[tap] = grid.tap_position(tap / shape.kernel_width * shape.dilation_y - shape.padding_y,
-                                  tap % shape.kernel_width * shape.dilation_x - shape.padding_x);
+  const int channels_as_taps = grid.channels_as_taps();
+  std::ptrdiff_t* taps =
+      workspace->positions(static_cast<std::size_t>(tap_count * channels_as_taps));
+  for (int i = 0; i < tap_count * channels_as_taps; ++i) {
+    const int tap = i / channels_as_taps;
+    taps[i] = i % channels_as_taps +
+              grid.tap_position(tap / shape.kernel_width * shape.dilation_y - shape.padding_y,
+                                tap % shape.kernel_width * shape.dilation_x - shape.padding_x);
   }
-  const kernels::ChannelGroups groups(shape.out_channels, table);
+  const kernels::ChannelGroups groups(shape.out_channels, table.lanes, table.most_packets);
   kernels::sum_outer_products(
       {convolution, table, groups, grid, x, dy, taps, tap_count, *workspace}, dw, db);
 }

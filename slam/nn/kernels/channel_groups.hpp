@@ -1,9 +1,6 @@
 #pragma once
 
 #include <algorithm>
-#include <cstddef>
-
-#include "slam/nn/kernels/kernel_table.hpp"
 
 namespace imslam::nn::kernels {
 
@@ -18,11 +15,11 @@ struct ChannelGroup {
 /// Cuts channels into groups of almost equal numbers of packets.
 class ChannelGroups {
  public:
-  ChannelGroups(int channels, const KernelTable& table)
+  ChannelGroups(int channels, int lanes, int most_packets)
       : channels_(channels),
-        lanes_(table.lanes),
-        packets_((channels + lanes_ - 1) / lanes_),
-        count_((packets_ + table.preferred_packets - 1) / table.preferred_packets) {}
+        lanes_(lanes),
+        packets_((channels + lanes - 1) / lanes),
+        count_((packets_ + most_packets - 1) / most_packets) {}
 
   int count() const { return count_; }
   int lanes() const { return lanes_; }

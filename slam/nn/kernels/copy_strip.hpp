@@ -26,9 +26,11 @@ void copy_small_pixels(const StripCopy& copy, const float* from, int count, floa
     for (int i = 0; i < count; ++i) to[i] = from[i * step];
     return;
   }
-  for (int i = 0; i < count; ++i, from += step, to += copy.pixel_pitch) {
-    for (int c = 0; c < copy.channels; ++c) to[c] = from[c];
+  // Four floats at once, some of the next pixel, which the last one of the image does not have.
+  for (int i = 0; i + 1 < count; ++i, from += step, to += copy.pixel_pitch) {
+    pstoreu(to, ploadu<Packet4>(from));
   }
+  for (int c = 0; c < copy.channels; ++c) to[c] = from[c];
 }
 
 /// Pixels u = remainder, remainder + stride, ... of one row; `from` is the row's first pixel, null
@@ -79,16 +81,8 @@ void copy_gradient_group(const GradientCopy& copy) {
 }
 
 void copy_gradient(const GradientCopy& copy) {
-  switch (copy.packets) {
-    case 1:
-      return copy_gradient_group<1>(copy);
-    case 2:
-      return copy_gradient_group<2>(copy);
-    case 3:
-      return copy_gradient_group<3>(copy);
-    default:
-      return copy_gradient_group<4>(copy);
-  }
+  if (copy.packets == 1) return copy_gradient_group<1>(copy);
+  copy_gradient_group<kMostPackets>(copy);
 }
 
 void copy_strip(const StripCopy& copy) {

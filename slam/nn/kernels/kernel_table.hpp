@@ -9,9 +9,6 @@ namespace imslam::nn::kernels {
 
 /// Channels of one block of a packed strip. All instruction sets share it.
 constexpr int kBlock = 16;
-/// Most packets of output channels that a tile holds.
-constexpr int kMaxPackets = 4;
-
 /// A part of an image and where it goes: channels in blocks, the columns sorted by their remainder
 /// modulo the stride, zeros where the part leaves the image.
 ///
@@ -36,6 +33,7 @@ struct StripCopy {
 ///                             c, :])
 struct RowProduct {
   const float* input;
+  const float* next;  ///< input of the next row: a hint
   int pixel_pitch;
   int blocks, last_channels;  ///< all blocks but the last have kBlock channels; few: see taps
   std::ptrdiff_t block_pitch;
@@ -50,14 +48,16 @@ struct RowProduct {
   float negative_slope;     ///< 1: no activation, 0: ReLU
 };
 
-/// sum[r, :] += over rows and pixels of x[r] dy[:], for one tap and up to kBlock channels.
+/// sum[r, :] += over rows and pixels of x[r] dy[:], for up to kBlock channels of one tap or, where
+/// pixel_pitch < kBlock, for all (tap, channel), which then lie at `taps`.
 struct OuterProduct {
-  const float* x;   ///< packed strip, at the tap
+  const float* x;  ///< packed strip, at the tap
+  const std::ptrdiff_t* taps;
   const float* dy;  ///< [rows, pixels, packets * lanes]
   std::ptrdiff_t x_row_pitch;
   int pixel_pitch;
   int rows, pixels;
-  int channels;
+  int channels;  ///< or (tap, channel)
   int packets;
   float* sum;  ///< [channels, packets * lanes]
 };
@@ -72,11 +72,15 @@ struct GradientCopy {
   float* sum;  ///< [packets * lanes]
 };
 
+/// Most outputs of a group of a narrow product.
+constexpr int kNarrowOutputs = 4;
+
 struct KernelTable {
-  int lanes;              ///< floats of a packet
-  int preferred_packets;  ///< of a group of output channels
+  int lanes;         ///< floats of a packet
+  int most_packets;  ///< of a group of output channels
   void (*copy_strip)(const StripCopy&);
   void (*row_product)(const RowProduct&);
+  void (*narrow_product)(const RowProduct&);
   void (*copy_gradient)(const GradientCopy&);
   void (*outer_product)(const OuterProduct&);
 };

@@ -1,14 +1,15 @@
 #define Eigen Eigen_avx512  // its inline functions must not replace those of other units
 
 #include "slam/nn/kernels/copy_strip.hpp"
+#include "slam/nn/kernels/narrow_product.hpp"
 #include "slam/nn/kernels/outer_product.hpp"
 #include "slam/nn/kernels/row_product.hpp"
 
 namespace imslam::nn::kernels {
 
 const KernelTable* avx512_kernels() {
-  static constexpr KernelTable kTable = {kLanes,       2, copy_strip, row_product, copy_gradient,
-                                         outer_product};
+  static constexpr KernelTable kTable = {kLanes,         kMostPackets,  copy_strip,   row_product,
+                                         narrow_product, copy_gradient, outer_product};
   return &kTable;
 }
 

@@ -8,31 +8,34 @@ namespace imslam::nn::kernels {
 namespace {
 
 /// Rows of the tile of sums, R channels x Q packets.
-constexpr int max_channels(int packets) {
-  constexpr int kWide[] = {0, 16, 8, 8, 4};
-  constexpr int kNarrow[] = {0, 8, 6, 4, 2};
-  return kRegisters == 32 ? kWide[packets] : kNarrow[packets];
+constexpr int max_channels(int packets, bool few_channels) {
+  if (kRegisters == 32) return few_channels ? 9 : 16 / packets;
+  return few_channels ? 10 / packets : (packets == 1 ? 8 : 6);
 }
 
+/// kPitch < kBlock: each row of the tile has its own tap; else they are neighbours.
 template <int R, int Q, int kPitch>
 void outer_tile(const OuterProduct& product, int first_channel) {
+  constexpr bool kFew = kPitch < kBlock;
   float* const to = product.sum + first_channel * Q * kLanes;
   Packet sum[R][Q];
+  const float* taps[R];
 #pragma GCC unroll 16
   for (int r = 0; r < R; ++r) {
+    taps[r] = product.x + (kFew ? product.taps[first_channel + r] : first_channel + r);
 #pragma GCC unroll 4
     for (int q = 0; q < Q; ++q) sum[r][q] = load(to + (r * Q + q) * kLanes);
   }
   const float* dy = product.dy;
   for (int y = 0; y < product.rows; ++y) {
-    const float* x = product.x + y * product.x_row_pitch + first_channel;
+    std::ptrdiff_t x = y * product.x_row_pitch;
     for (int p = 0; p < product.pixels; ++p, x += kPitch, dy += Q * kLanes) {
       Packet gradient[Q];
 #pragma GCC unroll 4
       for (int q = 0; q < Q; ++q) gradient[q] = load(dy + q * kLanes);
 #pragma GCC unroll 16
       for (int r = 0; r < R; ++r) {
-        const Packet value = pset1<Packet>(x[r]);
+        const Packet value = pset1<Packet>(kFew ? taps[r][x] : taps[0][x + r]);
 #pragma GCC unroll 4
         for (int q = 0; q < Q; ++q) sum[r][q] = pmadd(value, gradient[q], sum[r][q]);
       }
@@ -55,7 +58,7 @@ constexpr OuterTile choose_outer(int channels, std::integer_sequence<int, R...>)
 
 template <int Q, int kPitch>
 void split_channels(const OuterProduct& product) {
-  constexpr int kMax = max_channels(Q) < kPitch ? max_channels(Q) : kPitch;
+  constexpr int kMax = max_channels(Q, kPitch < kBlock);
   const int tiles = (product.channels + kMax - 1) / kMax;
   for (int t = 0, first = 0; t < tiles; ++t) {
     const int channels = (product.channels - first + tiles - t - 1) / (tiles - t);
@@ -66,16 +69,8 @@ void split_channels(const OuterProduct& product) {
 
 template <int kPitch>
 void outer_product_of_pitch(const OuterProduct& product) {
-  switch (product.packets) {
-    case 1:
-      return split_channels<1, kPitch>(product);
-    case 2:
-      return split_channels<2, kPitch>(product);
-    case 3:
-      return split_channels<3, kPitch>(product);
-    default:
-      return split_channels<4, kPitch>(product);
-  }
+  if (product.packets == 1) return split_channels<1, kPitch>(product);
+  split_channels<2, kPitch>(product);
 }
 
 void outer_product(const OuterProduct& product) {

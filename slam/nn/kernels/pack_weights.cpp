@@ -20,9 +20,19 @@ float* pack_tap(
   return to;
 }
 
+/// Likewise with the outputs apart, each with all channels of the block.
+float* pack_narrow_tap(
+    const WeightLayout& weights, const float* from, int channels, int outputs, float* to) {
+  for (int o = 0; o < outputs; ++o, from += weights.out_pitch, to += kBlock) {
+    for (int c = 0; c < kBlock; ++c) to[c] = c < channels ? from[c * weights.in_pitch] : 0.0F;
+  }
+  return to;
+}
+
 float* pack_phase(const StripConvolution& convolution,
                   const WeightLayout& weights,
                   const ChannelGroups& groups,
+                  bool narrow,
                   const AxisTaps& rows,
                   const AxisTaps& columns,
                   float* to) {
@@ -38,7 +48,8 @@ float* pack_phase(const StripConvolution& convolution,
                           columns.first_tap + l * columns.tap_step;
           const float* from = weights.w + tap * weights.tap_pitch + c * weights.in_pitch +
                               group.first_channel * weights.out_pitch;
-          to = pack_tap(weights, from, channels, used, width, to);
+          to = narrow ? pack_narrow_tap(weights, from, channels, width, to)
+                      : pack_tap(weights, from, channels, used, width, to);
         }
       }
     }
@@ -49,11 +60,11 @@ float* pack_phase(const StripConvolution& convolution,
 }  // namespace
 
 std::size_t packed_weight_size(const StripConvolution& convolution, const KernelTable& table) {
-  const ChannelGroups groups(convolution.out_channels, table);
+  const ChannelGroups groups = convolution.groups(table);
   const auto taps = static_cast<std::size_t>(convolution.vertical.kernel) *
                     static_cast<std::size_t>(convolution.horizontal.kernel);
   return static_cast<std::size_t>(groups.padded()) *
-         (taps * static_cast<std::size_t>(convolution.in_channels) + 1);
+         (taps * static_cast<std::size_t>(convolution.weight_channels(table)) + 1);
 }
 
 void pack_weights(const StripConvolution& convolution,
@@ -61,14 +72,14 @@ void pack_weights(const StripConvolution& convolution,
                   const float* bias,
                   const KernelTable& table,
                   float* packed) {
-  const ChannelGroups groups(convolution.out_channels, table);
+  const ChannelGroups groups = convolution.groups(table);
   std::fill_n(packed, groups.padded(), 0.0F);
   if (bias != nullptr) std::copy_n(bias, convolution.out_channels, packed);
   packed += groups.padded();
   for (int i = 0; i < convolution.vertical.step; ++i) {
     for (int j = 0; j < convolution.horizontal.step; ++j) {
-      packed = pack_phase(convolution, weights, groups, convolution.vertical.taps(i),
-                          convolution.horizontal.taps(j), packed);
+      packed = pack_phase(convolution, weights, groups, convolution.is_narrow(table),
+                          convolution.vertical.taps(i), convolution.horizontal.taps(j), packed);
     }
   }
 }

@@ -17,15 +17,19 @@ using Eigen::internal::pcmp_lt;
 using Eigen::internal::ploadu;
 using Eigen::internal::pmadd;
 using Eigen::internal::pmul;
+using Eigen::internal::predux;
 using Eigen::internal::pselect;
 using Eigen::internal::pset1;
 using Eigen::internal::pstoreu;
 using Eigen::internal::pzero;
 
 using Packet = Eigen::internal::packet_traits<float>::type;
+using Packet4 = Eigen::internal::Packet4f;
 constexpr int kLanes = Eigen::internal::packet_traits<float>::size;
 /// Registers of packets: how large a tile may be.
 constexpr int kRegisters = kLanes == 16 ? 32 : 16;
+/// Most packets of output channels in a group; a tile of more was slower wherever it was tried.
+constexpr int kMostPackets = 2;
 
 EIGEN_ALWAYS_INLINE Packet load(const float* from) { return ploadu<Packet>(from); }
 

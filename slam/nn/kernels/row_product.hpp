@@ -48,9 +48,29 @@ EIGEN_ALWAYS_INLINE void multiply_channel(const float*& x,
   w += Q * kLanes;
 }
 
-/// kPitch 0: the pitch is known at run time only.
+template <int P, int Q>
+EIGEN_ALWAYS_INLINE void prefetch_output(const RowProduct& row, const float* output) {
+#pragma GCC unroll 32
+  for (int p = 0; p < P; ++p) {
+#pragma GCC unroll 4
+    for (int q = 0; q < Q; ++q) __builtin_prefetch(output + p * row.output_pitch + q * kLanes, 1);
+  }
+}
+
+/// Asks for one block of the pixels of the next tile: of what its last tap, in the newest row,
+/// reads. Without it every tile would begin by waiting for the memory.
+template <int P, int kPitch>
+EIGEN_ALWAYS_INLINE void prefetch_tile(const float* x, std::ptrdiff_t pitch) {
+  constexpr bool kDense = kPitch > 0 && kPitch < kBlock;
+#pragma GCC unroll 32
+  for (int p = 0; p < (kDense ? (P * kPitch + kBlock - 1) / kBlock : P); ++p) {
+    __builtin_prefetch(x + p * (kDense ? kBlock : pitch));
+  }
+}
+
+/// kPitch 0: the pitch is known at run time only. `next` is where the next tile's pixels begin.
 template <int P, int Q, int kPitch>
-void tile_product(const RowProduct& row, int first_pixel) {
+void tile_product(const RowProduct& row, int first_pixel, const float* next) {
   Packet sum[P][Q];
 #pragma GCC unroll 32
   for (int p = 0; p < P; ++p) {
@@ -58,16 +78,20 @@ void tile_product(const RowProduct& row, int first_pixel) {
     for (int q = 0; q < Q; ++q) sum[p][q] = load(row.bias + q * kLanes);
   }
   const std::ptrdiff_t pitch = kPitch > 0 ? kPitch : row.pixel_pitch;
+  float* const output = row.output + first_pixel * row.output_pitch;
+  if (row.tap_count > 1) prefetch_output<P, Q>(row, output);
   const float* w = row.weights;
   const float* plane = row.input + first_pixel * pitch;
-  for (int b = 1; b <= row.blocks; ++b, plane += row.block_pitch) {
+  next += row.tap_count > 0 ? row.taps[row.tap_count - 1] : 0;
+  for (int b = 1; b <= row.blocks; ++b, plane += row.block_pitch, next += row.block_pitch) {
+    prefetch_tile<P, kPitch>(next, pitch);
     const int channels = b < row.blocks ? kBlock : row.last_channels;
     for (int tap = 0; tap < row.tap_count; ++tap) {
       const float* x = plane + row.taps[tap];
       if (kPitch > 0 && kPitch < kBlock) {
         multiply_channel(x, pitch, w, sum);
       } else if (channels == kBlock) {
-#pragma GCC unroll 4
+#pragma GCC unroll 1
         for (int c = 0; c < kBlock; ++c) multiply_channel(x, pitch, w, sum);
       } else {
 #pragma GCC unroll 1
@@ -75,10 +99,10 @@ void tile_product(const RowProduct& row, int first_pixel) {
       }
     }
   }
-  store_tile<P, Q>(row, sum, row.output + first_pixel * row.output_pitch);
+  store_tile<P, Q>(row, sum, output);
 }
 
-using TileProduct = void (*)(const RowProduct&, int);
+using TileProduct = void (*)(const RowProduct&, int, const float*);
 
 template <int Q, int kPitch, int... P>
 constexpr TileProduct choose_tile(int pixels, std::integer_sequence<int, P...>) {
@@ -97,36 +121,76 @@ void split_row(const RowProduct& row) {
   const int tiles = (row.pixels + kMax - 1) / kMax;
   for (int t = 0, first = 0; t < tiles; ++t) {
     const int pixels = (row.pixels - first + tiles - t - 1) / (tiles - t);
-    choose_tile<Q, kPitch>(pixels, std::make_integer_sequence<int, kMax>())(row, first);
+    const bool last = t + 1 == tiles;
+    const float* next =
+        last ? row.next : row.input + std::ptrdiff_t{first + pixels} * row.pixel_pitch;
+    choose_tile<Q, kPitch>(pixels, std::make_integer_sequence<int, kMax>())(row, first, next);
     first += pixels;
   }
 }
 
-template <int kPitch>
-void row_product_of_pitch(const RowProduct& row) {
-  switch (row.packets) {
-    case 1:
-      return split_row<1, kPitch>(row);
-    case 2:
-      return split_row<2, kPitch>(row);
-    case 3:
-      return split_row<3, kPitch>(row);
+/// Pitches are known to the compiler where they can be: the addresses of a tile are then constants.
+void row_of_one_packet(const RowProduct& row) {
+  switch (row.pixel_pitch) {
+    case kBlock:
+      return split_row<1, kBlock>(row);
+    case 2 * kBlock:
+      return split_row<1, 2 * kBlock>(row);
     default:
-      return split_row<4, kPitch>(row);
+      return split_row<1, 0>(row);
+  }
+}
+
+void row_of_two_packets(const RowProduct& row) {
+  switch (row.pixel_pitch) {
+    case kBlock:
+      return split_row<2, kBlock>(row);
+    case 2 * kBlock:
+      return split_row<2, 2 * kBlock>(row);
+    case 4 * kBlock:
+      return split_row<2, 4 * kBlock>(row);
+    case 6 * kBlock:
+      return split_row<2, 6 * kBlock>(row);
+    case 8 * kBlock:
+      return split_row<2, 8 * kBlock>(row);
+    default:
+      return split_row<2, 0>(row);
+  }
+}
+
+/// Few channels, each a tap of its own.
+void few_channels_one_packet(const RowProduct& row) {
+  switch (row.pixel_pitch) {
+    case 1:
+      return split_row<1, 1>(row);
+    case 3:
+      return split_row<1, 3>(row);
+    case 4:
+      return split_row<1, 4>(row);
+    case 6:
+      return split_row<1, 6>(row);
+    default:
+      return split_row<1, 0>(row);
+  }
+}
+
+void few_channels_two_packets(const RowProduct& row) {
+  switch (row.pixel_pitch) {
+    case 1:
+      return split_row<2, 1>(row);
+    case 4:
+      return split_row<2, 4>(row);
+    default:
+      return split_row<2, 0>(row);
   }
 }
 
 void row_product(const RowProduct& row) {
-  switch (row.pixel_pitch) {
-    case 1:
-      return row_product_of_pitch<1>(row);
-    case 4:
-      return row_product_of_pitch<4>(row);
-    case kBlock:
-      return row_product_of_pitch<kBlock>(row);
-    default:
-      return row_product_of_pitch<0>(row);
-  }
+  const bool few_channels = row.blocks == 1 && row.last_channels == 1;
+  if (few_channels && row.packets == 1) return few_channels_one_packet(row);
+  if (few_channels) return few_channels_two_packets(row);
+  if (row.packets == 1) return row_of_one_packet(row);
+  row_of_two_packets(row);
 }
 
 }  // namespace

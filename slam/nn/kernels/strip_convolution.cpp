@@ -11,15 +11,15 @@ namespace {
 
 // Three tiles of 28 columns or six of 14; rows are packed (rows + halo) / rows times.
 constexpr StripLimits kLimits = {84, 8 * 84, 0};
-constexpr StripLimits kDirectLimits = {84, 8 * 84, 14};
-// Pixels further apart collide in the first-level cache when they are read in place.
-constexpr int kMostDirectChannels = 96;
+constexpr StripLimits kDirectLimits = {84, 16 * 84, 14};
 constexpr double kTaskProducts = 1e6;  // less is not worth a task
 
 struct Job {
   const StripConvolution& convolution;
   const KernelTable& table;
   const ChannelGroups groups;
+  const bool narrow;
+  const int weight_channels;
   const StripGrid grid;
   const float* x;
   const float* packed_weights;
@@ -77,7 +77,7 @@ void multiply_group(const Job& job,
       c.vertical.stride *
       (direct ? std::ptrdiff_t{c.horizontal.in} * c.in_channels : job.grid.row_pitch());
   row.weights =
-      phase.weights + std::ptrdiff_t{group.first_channel} * phase.tap_count * c.in_channels;
+      phase.weights + std::ptrdiff_t{group.first_channel} * phase.tap_count * job.weight_channels;
   row.bias = job.packed_weights + group.first_channel;
   row.output_pitch = std::ptrdiff_t{c.horizontal.step} * c.out_channels;
   row.pixels = phase.columns;
@@ -90,8 +90,9 @@ void multiply_group(const Job& job,
     const std::ptrdiff_t pixel =
         (std::ptrdiff_t{strip.image} * c.vertical.out + y) * c.horizontal.out + x;
     row.input = input + r * row_step;
+    row.next = r + 1 < phase.rows ? row.input + row_step : input;
     row.output = job.y + pixel * c.out_channels + group.first_channel;
-    job.table.row_product(row);
+    job.narrow ? job.table.narrow_product(row) : job.table.row_product(row);
   }
 }
 
@@ -115,7 +116,7 @@ void convolve_strip(const Job& job, const Strip& strip, float* packed) {
       const int positions = phase.tap_count * job.grid.channels_as_taps();
       phase.taps += positions;
       if (phase.direct_taps != nullptr) phase.direct_taps += positions;
-      phase.weights += std::ptrdiff_t{phase.tap_count} * c.in_channels * job.groups.padded();
+      phase.weights += std::ptrdiff_t{phase.tap_count} * job.weight_channels * job.groups.padded();
     }
   }
 }
@@ -135,6 +136,18 @@ void for_each_tap(const StripConvolution& convolution, const Place& place) {
       }
     }
   }
+}
+
+/// Pixels further apart collide in the first-level cache when they are read in place, and a narrow
+/// group of output channels does not pay for addresses that the compiler does not know.
+bool reads_in_place(const StripConvolution& convolution, const KernelTable& table) {
+  constexpr int kMostDirectChannels = 96;
+  const int channels = convolution.in_channels;
+  const int pitch = convolution.horizontal.stride * channels;
+  if (channels <= 4) return pitch == 1 || pitch == 3 || pitch == 4 || pitch == 6;
+  if (convolution.is_narrow(table)) return channels % kBlock == 0;
+  if (convolution.out_channels <= table.lanes) return pitch == kBlock || pitch == 2 * kBlock;
+  return channels <= kMostDirectChannels;
 }
 
 void place_taps(const StripConvolution& convolution,
@@ -161,7 +174,7 @@ void convolve_strips(const StripConvolution& convolution,
                      float* y,
                      Workspace& workspace) {
   const int all_taps = convolution.vertical.kernel * convolution.horizontal.kernel;
-  const bool direct = convolution.in_channels <= kMostDirectChannels;
+  const bool direct = reads_in_place(convolution, table);
   const StripGrid grid(convolution.vertical, convolution.horizontal, convolution.batch,
                        convolution.in_channels, direct ? kDirectLimits : kLimits);
   const int positions = all_taps * grid.channels_as_taps();
@@ -169,7 +182,9 @@ void convolve_strips(const StripConvolution& convolution,
   place_taps(convolution, grid, taps, taps + positions);
   const Job job{convolution,
                 table,
-                ChannelGroups(convolution.out_channels, table),
+                convolution.groups(table),
+                convolution.is_narrow(table),
+                convolution.weight_channels(table),
                 grid,
                 x,
                 packed_weights,

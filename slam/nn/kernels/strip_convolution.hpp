@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "slam/nn/kernels/channel_groups.hpp"
 #include "slam/nn/kernels/convolution.hpp"
 #include "slam/nn/kernels/convolution_axis.hpp"
 #include "slam/nn/kernels/kernel_table.hpp"
@@ -15,6 +16,12 @@ struct StripConvolution {
   int batch = 1;
   int in_channels = 1;   ///< of what is read
   int out_channels = 1;  ///< of what is written
+
+  /// So few outputs that packets run along the input channels.
+  bool is_narrow(const KernelTable& table) const;
+  ChannelGroups groups(const KernelTable& table) const;
+  /// Input channels that a group's weights have, with zeros up to whole blocks where it is narrow.
+  int weight_channels(const KernelTable& table) const;
 
   static StripConvolution forward(const ConvolutionShape& shape);
   /// Reads dy, writes dx.
@@ -31,7 +38,8 @@ struct WeightLayout {
 std::size_t packed_weight_size(const StripConvolution& convolution, const KernelTable& table);
 
 /// [bias], then for each phase, group of output channels, block, tap, channel: one value for each
-/// output channel of the group; zeros behind the last channel. bias may be null.
+/// output channel of the group; zeros behind the last channel. Narrow: the output before the
+/// channel. bias may be null.
 void pack_weights(const StripConvolution& convolution,
                   const WeightLayout& weights,
                   const float* bias,

@@ -15,6 +15,19 @@ ConvolutionAxis backward(const ConvolutionAxis& forward) {
 
 }  // namespace
 
+bool StripConvolution::is_narrow(const KernelTable& table) const {
+  return 2 * out_channels <= table.lanes && 2 * in_channels >= kBlock;
+}
+
+ChannelGroups StripConvolution::groups(const KernelTable& table) const {
+  if (is_narrow(table)) return {out_channels, 1, kNarrowOutputs};
+  return {out_channels, table.lanes, table.most_packets};
+}
+
+int StripConvolution::weight_channels(const KernelTable& table) const {
+  return is_narrow(table) ? (in_channels + kBlock - 1) / kBlock * kBlock : in_channels;
+}
+
 StripConvolution StripConvolution::forward(const ConvolutionShape& shape) {
   StripConvolution c;
   c.vertical = {shape.in_height,     shape.out_height(), shape.stride_y,   1,
