@@ -132,6 +132,27 @@ void check_gradients(const Build& build,
   }
 }
 
+/// Sent back twice, every gradient is twice as large: operations add to what is there.
+template <typename S, typename Build>
+void check_accumulation(const Build& build,
+                        const std::vector<Tensor<S>>& inputs,
+                        const Tensor<double>& seed,
+                        const Pass<S>& once) {
+  Tape<S> tape;
+  std::vector<Var> vars;
+  for (const Tensor<S>& input : inputs) vars.push_back(tape.input(input));
+  const Var y = build(tape, vars);
+  tape.backward(y, cast<S>(seed));
+  tape.backward(y, cast<S>(seed));
+  for (std::size_t k = 0; k < inputs.size(); ++k) {
+    Tensor<double> half(inputs[k].shape());
+    const Tensor<S>& expected = once.gradients[k];
+    const ArrayMap<S> twice = tape.gradient(vars[k]);
+    for (Index i = 0; i < half.size(); ++i) half[i] = 0.5 * static_cast<double>(twice[i]);
+    expect_close(half, cast<double>(expected), 1e-6, "accumulated gradient " + std::to_string(k));
+  }
+}
+
 /// Dual numbers: tangents of values and of gradients along a random direction.
 template <typename Build>
 void check_tangents(const Build& build,
@@ -159,8 +180,8 @@ void check_tangents(const Build& build,
 }
 
 /// All that an operation promises, at random inputs: gradients are those of central differences in
-/// double, float agrees with double, dual tangents agree with differences, inference gives the same
-/// bytes as training. build(tape, vars) -> Var is generic over the tape.
+/// double, add to what is there, float agrees with double, dual tangents agree with differences,
+/// inference gives the same bytes as training. build(tape, vars) -> Var is generic over the tape.
 template <typename Build>
 void check_op(const Build& build, const std::vector<Shape>& shapes, const CheckOptions& o = {}) {
   Random random(7);
@@ -171,6 +192,7 @@ void check_op(const Build& build, const std::vector<Shape>& shapes, const CheckO
 
   const auto exact = run_op<double>(build, inputs, &seed);
   check_gradients(build, inputs, seed, exact, o.tolerance);
+  check_accumulation<double>(build, inputs, seed, exact);
   check_tangents(build, inputs, seed, random, 10 * o.tolerance);
 
   const auto fast = run_op<float>(build, cast_all<float>(inputs), &seed);
@@ -179,6 +201,7 @@ void check_op(const Build& build, const std::vector<Shape>& shapes, const CheckO
     expect_close(cast<double>(fast.gradients[k]), exact.gradients[k], o.float_tolerance,
                  "float gradient " + std::to_string(k));
   }
+  check_accumulation<float>(build, cast_all<float>(inputs), seed, fast);
   const auto plain = run_op<float>(build, cast_all<float>(inputs), nullptr, Mode::kInference);
   expect_close(cast<double>(plain.y), cast<double>(fast.y), 0.0, "inference");
 }
