@@ -4,6 +4,7 @@
 #include "slam/nn/kernels/channel_groups.hpp"
 #include "slam/nn/kernels/convolution.hpp"
 #include "slam/nn/kernels/instruction_set.hpp"
+#include "slam/nn/kernels/prefetch_cursor.hpp"
 #include "slam/nn/kernels/strip_convolution.hpp"
 #include "slam/nn/kernels/strip_grid.hpp"
 
@@ -13,8 +14,8 @@ namespace {
 
 // A tile of sums takes 160 pixels between its load and its store.
 constexpr StripLimits kLimits = {80, 160, 0};
-constexpr int kChunkPixels = 512;  // a chunk has its own sums, so it should not be small
-constexpr int kMostChunks = 16;
+constexpr int kChunkPixels = 900;  // a chunk has its own sums, so it should not be small
+constexpr int kMostChunks = 8;
 
 struct Job {
   const StripConvolution& convolution;
@@ -55,8 +56,45 @@ void pack_gradient(
   }
 }
 
+/// What a strip reads of x and of dy.
+struct StripMemory {
+  PrefetchCursor x, dy;
+
+  void hint(OuterProduct& product) {
+    PrefetchCursor& cursor = dy.empty() ? x : dy;
+    if (cursor.empty()) {
+      product.hint = product.hint_end;
+      return;
+    }
+    const PrefetchCursor::Portion portion = cursor.next(product.rows * product.pixels);
+    product.hint = portion.begin;
+    product.hint_end = portion.end;
+  }
+};
+
+StripMemory memory_of(const Job& job, const Strip& strip) {
+  const StripConvolution& c = job.convolution;
+  const StripCopy copy = job.grid.copy(strip, job.x, nullptr);
+  const int first_row = std::max(0, copy.first_row);
+  const int first_column = std::max(0, copy.first_column);
+  const int rows = std::min(copy.first_row + copy.rows, copy.height) - first_row;
+  const int columns = std::min(copy.first_column + copy.columns, copy.width) - first_column;
+  StripMemory memory;
+  if (rows > 0 && columns > 0) {
+    const std::ptrdiff_t pitch = std::ptrdiff_t{copy.width} * copy.channels;
+    memory.x = {copy.image + first_row * pitch + std::ptrdiff_t{first_column} * copy.channels,
+                std::ptrdiff_t{columns} * copy.channels, pitch, rows};
+  }
+  const std::ptrdiff_t row = std::ptrdiff_t{strip.image} * c.vertical.out + strip.first_row;
+  memory.dy = {job.dy + (row * c.horizontal.out + strip.first_column) * c.out_channels,
+               std::ptrdiff_t{strip.columns} * c.out_channels,
+               std::ptrdiff_t{c.horizontal.out} * c.out_channels, strip.rows};
+  return memory;
+}
+
 /// sums: [bias], then for each group [tap, input channel, output channel].
-void accumulate_strip(const Job& job, const Strip& strip, float* packed, float* sums) {
+void accumulate_strip(
+    const Job& job, const Strip& strip, StripMemory next, float* packed, float* sums) {
   const int inputs = job.convolution.in_channels;
   job.table.copy_strip(job.grid.copy(strip, job.x, packed));
   float* const packed_dy = packed + job.grid.packed_size();
@@ -78,6 +116,7 @@ void accumulate_strip(const Job& job, const Strip& strip, float* packed, float* 
       product.taps = job.taps;
       product.channels = job.tap_count * inputs;
       product.sum = group_sums;
+      next.hint(product);
       job.table.outer_product(product);
       continue;
     }
@@ -86,6 +125,7 @@ void accumulate_strip(const Job& job, const Strip& strip, float* packed, float* 
       for (int tap = 0; tap < job.tap_count; ++tap) {
         product.x = packed + b * job.grid.block_pitch() + job.taps[tap];
         product.sum = group_sums + (std::ptrdiff_t{tap} * inputs + b * kBlock) * width;
+        next.hint(product);
         job.table.outer_product(product);
       }
     }
@@ -132,7 +172,9 @@ void sum_outer_products(const Job& job, float* dw, float* db) {
     std::fill_n(own, size, 0.0F);
     const int i = static_cast<int>(index);
     for (int s = strips * i / chunks; s < strips * (i + 1) / chunks; ++s) {
-      accumulate_strip(job, job.grid.strip(s), packed.data(), own);
+      const bool last = s + 1 == strips;
+      const StripMemory next = last ? StripMemory{} : memory_of(job, job.grid.strip(s + 1));
+      accumulate_strip(job, job.grid.strip(s), next, packed.data(), own);
     }
   };
   if (chunks == 1) chunk(0);

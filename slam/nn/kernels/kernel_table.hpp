@@ -59,7 +59,8 @@ struct OuterProduct {
   int rows, pixels;
   int channels;  ///< or (tap, channel)
   int packets;
-  float* sum;  ///< [channels, packets * lanes]
+  float* sum;                    ///< [channels, packets * lanes]
+  const float *hint, *hint_end;  ///< memory to prefetch meanwhile
 };
 
 /// packed[p, :] = dy[p pixel_pitch, :], one group of output channels; sum[:] += over pixels of dy.

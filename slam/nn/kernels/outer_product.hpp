@@ -27,9 +27,12 @@ void outer_tile(const OuterProduct& product, int first_channel) {
     for (int q = 0; q < Q; ++q) sum[r][q] = load(to + (r * Q + q) * kLanes);
   }
   const float* dy = product.dy;
+  const float* hint = first_channel == 0 ? product.hint : product.hint_end;
   for (int y = 0; y < product.rows; ++y) {
     std::ptrdiff_t x = y * product.x_row_pitch;
     for (int p = 0; p < product.pixels; ++p, x += kPitch, dy += Q * kLanes) {
+      __builtin_prefetch(hint);
+      hint = hint < product.hint_end ? hint + kBlock : hint;
       Packet gradient[Q];
 #pragma GCC unroll 4
       for (int q = 0; q < Q; ++q) gradient[q] = load(dy + q * kLanes);
