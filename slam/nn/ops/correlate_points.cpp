@@ -69,8 +69,11 @@ struct PointWindows {
   /// visit(k, g): displacement k and the grid cell of its upper left corner.
   template <typename Visit>
   void for_each_displacement(const Visit& visit) const {
-    for (Index k = 0; k < window.count(); ++k) {
-      visit(k, (k / window.columns()) * columns() + k % window.columns());
+    const Index width_of_grid = columns();
+    const Index per_row = window.columns();
+    const Index height_of_window = window.rows();
+    for (Index r = 0; r < height_of_window; ++r) {
+      for (Index c = 0; c < per_row; ++c) visit(r * per_row + c, r * width_of_grid + c);
     }
   }
 };

@@ -27,12 +27,17 @@ struct Volume {
   template <typename Visit>
   void for_each_partner(Index line, int sign, const Visit& visit) const {
     const Index row = line % height;
+    const int rows = window.rows();
+    const int columns = window.columns();
     for (Index j = 0; j < width; ++j) {
-      for (int k = 0; k < window.count(); ++k) {
-        const Index other_row = row + sign * window.y(k);
-        const Index column = j + sign * window.x(k);
-        if (other_row < 0 || other_row >= height || column < 0 || column >= width) continue;
-        visit(k, line * width + j, (line - row + other_row) * width + column);
+      for (int r = 0; r < rows; ++r) {
+        const Index other_row = row + sign * (window.y_min + r * window.step);
+        if (other_row < 0 || other_row >= height) continue;
+        for (int c = 0; c < columns; ++c) {
+          const Index column = j + sign * (window.x_min + c * window.step);
+          if (column < 0 || column >= width) continue;
+          visit(r * columns + c, line * width + j, (line - row + other_row) * width + column);
+        }
       }
     }
   }
@@ -80,9 +85,10 @@ Var cost_volume(Tape<S>& tape, Var a, Var b, const Window& window) {
   const S* const A = tape.data(a);
   const S* const B = tape.data(b);
   S* const Y = tape.data(y);
+  const Index K = window.count();
   v.for_each_line([&](Index line) {
     v.for_each_partner(line, 1, [&](int k, Index p, Index q) {
-      Y[p * v.window.count() + k] = (ConstRow<S>(A + p * C, C) * ConstRow<S>(B + q * C, C)).sum();
+      Y[p * K + k] = (ConstRow<S>(A + p * C, C) * ConstRow<S>(B + q * C, C)).sum();
     });
   });
   return tape.record(y, {a, b}, [=](Tape<S>& t) { backward(t, v, a, b, y); });
