@@ -98,6 +98,8 @@ class Tape {
     bool tracked = false;
     for (std::size_t i = 0; i < count; ++i) tracked = tracked || wants_gradient(inputs[i]);
     if (!tracked || !training()) return y;
+    expects(open_scratches_ == 0,
+            "Tape::record: a Scratch is open, its end would free the closure");
     Entry& noted = entry(y);
     noted.tracked = true;
     noted.closure = new (values_.allocate(sizeof(PullBack))) PullBack(pull_back);
@@ -143,6 +145,7 @@ class Tape {
   template <typename T>
   T* keep(Index count) {
     static_assert(std::is_trivially_destructible_v<T>);
+    expects(open_scratches_ == 0, "Tape::keep: a Scratch is open, its end would free the numbers");
     return values_.template allocate_array<T>(count);
   }
 
