@@ -49,12 +49,15 @@ void ConvolutionShape::validate() const {
   const bool positive = batch > 0 && in_height > 0 && in_width > 0 && in_channels > 0 &&
                         out_channels > 0 && kernel_height > 0 && kernel_width > 0 && stride_y > 0 &&
                         stride_x > 0 && dilation_y > 0 && dilation_x > 0;
-  const std::string what = "convolution of " + text();
-  expects(positive, (what + ": all sizes, strides and dilations must be positive").c_str());
-  expects(padding_y >= 0 && padding_x >= 0, (what + ": padding must not be negative").c_str());
-  expects(fits(in_height, kernel_height, padding_y, dilation_y) &&
+  // The text only for a failure: validate() runs in every call, which must not allocate.
+  const auto require = [this](bool condition, const char* what) {
+    if (!condition) throw ContractError("convolution of " + text() + ": " + what);
+  };
+  require(positive, "all sizes, strides and dilations must be positive");
+  require(padding_y >= 0 && padding_x >= 0, "padding must not be negative");
+  require(fits(in_height, kernel_height, padding_y, dilation_y) &&
               fits(in_width, kernel_width, padding_x, dilation_x),
-          (what + ": the kernel is larger than the padded input").c_str());
+          "the kernel is larger than the padded input");
 }
 
 std::string ConvolutionShape::text() const {

@@ -1,0 +1,117 @@
+#include "slam/nn/ops/resize.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace imslam::nn {
+namespace {
+
+/// Which two neighbours along one axis make up a pixel of the output, and the share of the second.
+struct Blend {
+  Index first;
+  Index second;
+  double share;
+};
+
+enum class Method { kNearest, kBilinear };
+
+void fill_blends(Method method, Index from, Index to, Blend* blends) {
+  const double ratio = static_cast<double>(from) / static_cast<double>(to);
+  for (Index i = 0; i < to; ++i) {
+    const double centre = (static_cast<double>(i) + 0.5) * ratio;
+    if (method == Method::kNearest) {
+      const Index pixel = std::min(static_cast<Index>(centre), from - 1);
+      blends[i] = {pixel, pixel, 0.0};
+      continue;
+    }
+    const double position = std::clamp(centre - 0.5, 0.0, static_cast<double>(from - 1));
+    const auto first = static_cast<Index>(position);
+    const Index second = std::min(first + 1, from - 1);
+    blends[i] = {first, second, position - static_cast<double>(first)};
+  }
+}
+
+struct Resizing {
+  Index batch, in_height, in_width, channels, height, width;
+  const Blend* rows;
+  const Blend* columns;
+
+  /// visit(at_x, weight, at_y) for each pixel of x that has a share in a pixel of y.
+  template <typename S, typename Visit>
+  void for_each_share(const Visit& visit) const {
+    for (Index n = 0; n < batch; ++n) {
+      for (Index i = 0; i < height; ++i) {
+        for (Index j = 0; j < width; ++j) {
+          const Blend& a = rows[i];
+          const Blend& b = columns[j];
+          const Index at_y = ((n * height + i) * width + j) * channels;
+          const auto pixel = [&](Index row, Index column, double weight) {
+            const Index at_x = ((n * in_height + row) * in_width + column) * channels;
+            if (weight != 0.0) visit(at_x, S(weight), at_y);
+          };
+          pixel(a.first, b.first, (1 - a.share) * (1 - b.share));
+          pixel(a.first, b.second, (1 - a.share) * b.share);
+          pixel(a.second, b.first, a.share * (1 - b.share));
+          pixel(a.second, b.second, a.share * b.share);
+        }
+      }
+    }
+  }
+};
+
+template <typename S>
+Var resize(Tape<S>& tape, Var x, Index height, Index width, Method method) {
+  const Shape shape = tape.shape(x);
+  expects_shape(shape.rank() == 4 && height >= 1 && width >= 1 && shape[1] >= 1 && shape[2] >= 1,
+                "resize: x [N,H,W,C] to at least one pixel", shape);
+  Blend* const rows = tape.template keep<Blend>(height);
+  Blend* const columns = tape.template keep<Blend>(width);
+  fill_blends(method, shape[1], height, rows);
+  fill_blends(method, shape[2], width, columns);
+  const Resizing r{shape[0], shape[1], shape[2], shape[3], height, width, rows, columns};
+  const Var y = tape.make({shape[0], height, width, shape[3]});
+  tape.array(y) = S(0);
+  const S* const X = tape.data(x);
+  S* const Y = tape.data(y);
+  r.template for_each_share<S>([&](Index at_x, S weight, Index at_y) {
+    for (Index c = 0; c < r.channels; ++c) Y[at_y + c] += weight * X[at_x + c];
+  });
+  return tape.record(y, {x}, [=](Tape<S>& t) {
+    const S* const dY = t.gradient_data(y);
+    S* const dX = t.gradient_data(x);
+    r.template for_each_share<S>([&](Index at_x, S weight, Index at_y) {
+      for (Index c = 0; c < r.channels; ++c) dX[at_x + c] += weight * dY[at_y + c];
+    });
+  });
+}
+
+}  // namespace
+
+template <typename S>
+Var resize_nearest(Tape<S>& tape, Var x, Index height, Index width) {
+  return resize(tape, x, height, width, Method::kNearest);
+}
+
+template <typename S>
+Var resize_bilinear(Tape<S>& tape, Var x, Index height, Index width) {
+  return resize(tape, x, height, width, Method::kBilinear);
+}
+
+template <typename S>
+Var upsample2_nearest(Tape<S>& tape, Var x) {
+  return resize_nearest(tape, x, 2 * tape.shape(x)[1], 2 * tape.shape(x)[2]);
+}
+
+template <typename S>
+Var upsample2_bilinear(Tape<S>& tape, Var x) {
+  return resize_bilinear(tape, x, 2 * tape.shape(x)[1], 2 * tape.shape(x)[2]);
+}
+
+#define INSTANTIATE(S)                                       \
+  template Var resize_nearest(Tape<S>&, Var, Index, Index);  \
+  template Var resize_bilinear(Tape<S>&, Var, Index, Index); \
+  template Var upsample2_nearest(Tape<S>&, Var);             \
+  template Var upsample2_bilinear(Tape<S>&, Var);
+IMSLAM_NN_FOR_EACH_SCALAR(INSTANTIATE)
+
+}  // namespace imslam::nn

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "slam/nn/tape.hpp"
+
+namespace imslam::nn {
+
+// x [N,H,W,C] -> y [N,height,width,C]. Pixel centres lie at half numbers and the two images cover
+// the same area: x position = (i + 1/2) H / height - 1/2, clamped to the image.
+//
+//   nearest    the pixel that contains the position         dx[that pixel] += dy
+//   bilinear   a weighted mean of the (up to) four around   dx[each] += weight dy
+//
+// For going up; going down by more than 2 skips pixels (pool first).
+
+template <typename S>
+Var resize_nearest(Tape<S>& tape, Var x, Index height, Index width);
+template <typename S>
+Var resize_bilinear(Tape<S>& tape, Var x, Index height, Index width);
+template <typename S>
+Var upsample2_nearest(Tape<S>& tape, Var x);  ///< to 2 H x 2 W
+template <typename S>
+Var upsample2_bilinear(Tape<S>& tape, Var x);  ///< to 2 H x 2 W
+
+}  // namespace imslam::nn
