@@ -10,11 +10,10 @@
 namespace imslam::simulation {
 namespace {
 
-constexpr int kMostTaps = 5;        ///< samples along the long axis of a pixel's footprint
-constexpr float kFlattest = 1e-6F;  ///< sine of the angle between a ray and a facet
-constexpr float kDarkest = 0.02F;   ///< light that falls on anything
-constexpr float kShineThrough =
-    0.35F;  ///< share of the sun that leaves and thin things let through
+constexpr int kMostTaps = 5;            ///< samples along the long axis of a pixel's footprint
+constexpr float kFlattest = 1e-6F;      ///< sine of the angle between a ray and a facet
+constexpr float kDarkest = 0.02F;       ///< light that falls on anything
+constexpr float kShineThrough = 0.35F;  ///< share of the sun that leaves let through
 constexpr float kSkyScale = 0.25F;
 constexpr float kHorizonLight = 0.95F;
 

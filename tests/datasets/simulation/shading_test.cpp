@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
+#include <limits>
 
 #include "datasets/simulation/ray_table.hpp"
 #include "datasets/simulation/rig.hpp"
@@ -61,7 +61,7 @@ double quantile(std::vector<double> values, double share) {
 }
 
 // All rays of every third tile. The reference is exact where the lanes take a quick logarithm and
-// floats, so a few rays get a tap or, where levels are rounded, a level more or less.
+// floats, so a rare ray may get a tap or, where levels are rounded, a level more or less.
 TEST(Shading, LanesMatchTheSlowReferenceInEveryScene) {
   for (const char* scene : kScenes) {
     const Setting setting(scene);
@@ -85,11 +85,7 @@ TEST(Shading, LanesMatchTheSlowReferenceInEveryScene) {
           errors.push_back(std::abs(static_cast<double>(seen.radiance[i]) - look.radiance));
         }
       }
-      if (std::getenv("IMSLAM_PRINT") != nullptr)
-        std::printf("%s %.1f n %zu median %.5f 99%% %.5f 99.8%% %.5f max %.4f\n", scene,
-                    static_cast<double>(footprint), errors.size(), quantile(errors, 0.5),
-                    quantile(errors, 0.99), quantile(errors, 0.998), quantile(errors, 1.0));
-      EXPECT_LT(quantile(errors, 0.5), 5e-4) << scene << " " << footprint;
+      EXPECT_LT(quantile(errors, 0.5), 1e-4) << scene << " " << footprint;
       EXPECT_LT(quantile(errors, 0.999), 1e-3) << scene << " " << footprint;
     }
   }
