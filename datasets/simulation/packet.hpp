@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -34,6 +33,14 @@ struct RayPacket {
   Floats3 d_column = {};   ///< change of direction per pixel to the right
   Floats3 d_row = {};      ///< change of direction per pixel downwards
   std::size_t count = 0;   ///< lanes in use, the first ones
+};
+
+/// What a camera sees along the rays of a packet.
+struct SeenPacket {
+  Floats radiance;
+  Floats distance;                 ///< [m] along the unit ray; sky: inf
+  std::uint32_t surface[kLanes];   ///< differs between smooth pieces and between instances
+  std::uint32_t instance[kLanes];  ///< as in Hit; 0 for the sky, which does not move either
 };
 
 }  // namespace imslam::simulation

@@ -12,24 +12,16 @@ namespace imslam::simulation {
 /// A triangle as a plane with what varies linearly over it, in the mesh's frame:
 ///   u = u0 + grad_u . (p - origin), v and light alike.
 struct Facet {
-  Eigen::Vector3f origin;
-  Eigen::Vector3f normal;
-  Eigen::Vector3f grad_u;
-  Eigen::Vector3f grad_v;
-  Eigen::Vector3f grad_light;
+  Eigen::Vector3f origin = Eigen::Vector3f::Zero();
+  Eigen::Vector3f normal = Eigen::Vector3f::UnitZ();
+  Eigen::Vector3f grad_u = Eigen::Vector3f::Zero();
+  Eigen::Vector3f grad_v = Eigen::Vector3f::Zero();
+  Eigen::Vector3f grad_light = Eigen::Vector3f::Zero();
   float u0 = 0.0F;
   float v0 = 0.0F;
   float light0 = 0.0F;
   std::uint32_t texture = 0;
   std::uint32_t surface = 0;
-};
-
-/// What a camera sees along the rays of a packet.
-struct SeenPacket {
-  Floats radiance;
-  Floats distance;                 ///< [m] along the unit ray; sky: inf
-  std::uint32_t surface[kLanes];   ///< differs between smooth pieces and between instances
-  std::uint32_t instance[kLanes];  ///< as in Hit; 0 for the sky, which does not move either
 };
 
 /// A scene at an instant: traces and shades rays.
