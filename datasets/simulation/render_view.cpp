@@ -76,48 +76,44 @@ class Renderer {
     }
   }
 
+  /// Marks the busy tiles of a row of tiles.
+  void find_busy(int tile_row, std::vector<std::uint8_t>& busy) const {
+    for (int tile_column = 0; tile_column < rays_.tile_columns(); ++tile_column) {
+      int count = 0;
+      for_each_edge(tile_row, tile_column, [&](int, int) { ++count; });
+      busy[tile_index(tile_row, tile_column)] = count > kBusy ? 1 : 0;
+    }
+  }
+
   /// Means of finer rays for the pixels at clean edges of a row of tiles, written to `smooth`, and
-  /// the rays at the lower right corners of the pixels of busy tiles, written to `corners`.
-  void edges(int tile_row, std::vector<float>& smooth, std::vector<float>& corners) const {
+  /// the rays at the lower right corners of pixels where a busy tile needs them, to `corners`.
+  void edges(int tile_row,
+             const std::vector<std::uint8_t>& busy,
+             std::vector<float>& smooth,
+             std::vector<float>& corners) const {
     Queue queue;
     for (int tile_column = 0; tile_column < rays_.tile_columns(); ++tile_column) {
-      const int first_row = tile_row * kTile;
-      const int first_column = tile_column * kTile;
-      std::array<std::size_t, kLanes> edge_pixels;
-      std::size_t count = 0;
-      for (int row = first_row; row < std::min(first_row + kTile, view_.height); ++row) {
-        for (int column = first_column; column < std::min(first_column + kTile, view_.width);
-             ++column) {
-          if (at_edge(row, column)) edge_pixels[count++] = view_.index(row, column);
-        }
-      }
-      if (count > kBusy) {
-        trace_corners(tile_row, tile_column, corners);
-      } else {
-        for (std::size_t k = 0; k < count; ++k) enqueue(edge_pixels[k], queue, smooth);
-      }
+      if (touches_busy(tile_row, tile_column, busy)) trace_corners(tile_row, tile_column, corners);
+      if (busy[tile_index(tile_row, tile_column)] != 0) continue;
+      for_each_edge(tile_row, tile_column,
+                    [&](int row, int column) { enqueue(view_.index(row, column), queue, smooth); });
     }
     refine(queue, smooth);
   }
 
-  /// Mixes the centre of a busy tile's pixel with the corners about it that are known.
-  void mix(std::size_t row, const std::vector<float>& corners, std::vector<float>& smooth) const {
-    const auto width = static_cast<std::size_t>(view_.width);
-    for (std::size_t column = 0; column < width; ++column) {
-      const std::size_t at = row * width + column;
-      if (corners[at] < 0.0F) continue;
-      float sum = kCentreWeight * view_.radiance[at];
-      float weight = kCentreWeight;
-      const auto add = [&](bool inside, std::size_t from) {
-        if (!inside || corners[from] < 0.0F) return;
-        sum += corners[from];
-        weight += 1.0F;
-      };
-      add(true, at);
-      add(column > 0, at - 1);
-      add(row > 0, at - width);
-      add(row > 0 && column > 0, at - width - 1);
-      smooth[at] = sum / weight;
+  /// Mixes the centres of the pixels of busy tiles with the four corners about them. Fewer would
+  /// pull edges to their side, so the first row and column of the image do without.
+  void mix(std::size_t row,
+           const std::vector<std::uint8_t>& busy,
+           const std::vector<float>& corners,
+           std::vector<float>& smooth) const {
+    if (row == 0) return;
+    for (int column = 1; column < view_.width; ++column) {
+      if (busy[tile_index(static_cast<int>(row) / kTile, column / kTile)] == 0) continue;
+      const std::size_t at = view_.index(static_cast<int>(row), column);
+      const std::size_t above = at - static_cast<std::size_t>(view_.width);
+      const float sum = corners[at] + corners[at - 1] + corners[above] + corners[above - 1];
+      smooth[at] = (kCentreWeight * view_.radiance[at] + sum) / (kCentreWeight + 4.0F);
     }
   }
 
@@ -149,6 +145,33 @@ class Renderer {
     for (int i = 0; i < std::min(kTile, view_.height - first_row); ++i) {
       store_row(view_.index(first_row + i, first_column), static_cast<std::size_t>(i) * kTileLanes,
                 static_cast<std::size_t>(lanes));
+    }
+  }
+
+  std::size_t tile_index(int tile_row, int tile_column) const {
+    return static_cast<std::size_t>(tile_row * rays_.tile_columns() + tile_column);
+  }
+
+  /// Whether a pixel of a busy tile has a corner in this tile.
+  bool touches_busy(int tile_row, int tile_column, const std::vector<std::uint8_t>& busy) const {
+    const int last_row = std::min(tile_row + 1, rays_.tile_rows() - 1);
+    const int last_column = std::min(tile_column + 1, rays_.tile_columns() - 1);
+    return busy[tile_index(tile_row, tile_column)] != 0 ||
+           busy[tile_index(tile_row, last_column)] != 0 ||
+           busy[tile_index(last_row, tile_column)] != 0 ||
+           busy[tile_index(last_row, last_column)] != 0;
+  }
+
+  /// Calls visit(row, column) for the edge pixels of a tile.
+  template <typename Visit>
+  void for_each_edge(int tile_row, int tile_column, const Visit& visit) const {
+    const int first_row = tile_row * kTile;
+    const int first_column = tile_column * kTile;
+    for (int row = first_row; row < std::min(first_row + kTile, view_.height); ++row) {
+      for (int column = first_column; column < std::min(first_column + kTile, view_.width);
+           ++column) {
+        if (at_edge(row, column)) visit(row, column);
+      }
     }
   }
 
@@ -228,12 +251,14 @@ void render_view(const World& world,
   const auto tile_rows = static_cast<std::size_t>(rays.tile_rows());
   parallel_for(tile_rows, [&](std::size_t i) { renderer.centres(static_cast<int>(i)); });
   if (!antialias) return;
+  std::vector<std::uint8_t> busy(tile_rows * static_cast<std::size_t>(rays.tile_columns()));
+  parallel_for(tile_rows, [&](std::size_t i) { renderer.find_busy(static_cast<int>(i), busy); });
   std::vector<float> smooth = view.radiance;
-  std::vector<float> corners(count, -1.0F);
+  std::vector<float> corners(count);
   parallel_for(tile_rows,
-               [&](std::size_t i) { renderer.edges(static_cast<int>(i), smooth, corners); });
+               [&](std::size_t i) { renderer.edges(static_cast<int>(i), busy, smooth, corners); });
   parallel_for(static_cast<std::size_t>(view.height),
-               [&](std::size_t row) { renderer.mix(row, corners, smooth); });
+               [&](std::size_t row) { renderer.mix(row, busy, corners, smooth); });
   view.radiance.swap(smooth);
 }
 
