@@ -245,7 +245,8 @@ PoseLayerResult solve_pose(const Correspondences& correspondences,
   result.cost = system.cost;
   result.covariance = spread->covariance;
   result.disparities = solver.estimate().disparities;
-  detail::build_system(solver.problem(), solver.estimate(), Model::kExact, 0.0, system);
+  detail::build_system(solver.problem(), solver.estimate(), Model::kExact, 0.0, system,
+                       detail::Unknowns::kMotionAndCalibration);
   fill_calibration(system, spread->factor, result);
   to_body(camera, solver.estimate(), result);
   result.valid =

@@ -39,15 +39,22 @@ Matrix5 projection_curvature(const Views& views, const PointState& p, const Eige
 }
 
 /// d[Y disparity focal]/d(unknowns); the pose moves as T_left0_left1 Exp(tau), so p_left1 as
-/// Exp(-tau).
-Eigen::Matrix<double, 5, kUnknowns> scaled_point_jacobian(const Views& views, const PointState& p) {
-  Eigen::Matrix<double, 5, kUnknowns> J = Eigen::Matrix<double, 5, kUnknowns>::Zero();
-  J.topLeftCorner<3, 3>().diagonal().setConstant(-p.disparity * views.inverse_focal_baseline);
-  J.block<3, 3>(0, 3) = lie::skew(p.Y);
-  J.block<3, 1>(0, kDisparity) = views.Y_disparity;
+/// Exp(-tau). Without the calibration the last row is left out too.
+template <int kColumns>
+using ScaledJacobian = Eigen::Matrix<double, kColumns == kUnknowns ? 5 : 4, kColumns>;
+
+template <int kColumns>
+ScaledJacobian<kColumns> scaled_point_jacobian(const Views& views, const PointState& p) {
+  ScaledJacobian<kColumns> J = ScaledJacobian<kColumns>::Zero();
+  J.template topLeftCorner<3, 3>().diagonal().setConstant(-p.disparity *
+                                                          views.inverse_focal_baseline);
+  J.template block<3, 3>(0, 3) = lie::skew(p.Y);
+  J.template block<3, 1>(0, kDisparity) = views.Y_disparity;
   J(3, kDisparity) = 1.0;
-  J.block<3, 1>(0, kFocal) = p.Y_focal;
-  J(4, kFocal) = 1.0;
+  if constexpr (kColumns == kUnknowns) {
+    J.template block<3, 1>(0, kFocal) = p.Y_focal;
+    J(4, kFocal) = 1.0;
+  }
   return J;
 }
 
@@ -86,15 +93,24 @@ PointState evaluate_point(const Views& views, const Correspondence& c, double di
   return p;
 }
 
-PointJacobian point_jacobian(const Views& views, const PointState& point) {
-  const Eigen::Matrix<double, 3, kUnknowns> rows =
-      projection_jacobian(views, point).lazyProduct(scaled_point_jacobian(views, point));
-  PointJacobian J = spread_rows<kUnknowns>(rows);
+template <int kColumns>
+Eigen::Matrix<double, 4, kColumns> point_jacobian(const Views& views, const PointState& point) {
+  const ScaledJacobian<kColumns> scaled = scaled_point_jacobian<kColumns>(views, point);
+  const Eigen::Matrix<double, 3, kColumns> rows =
+      projection_jacobian(views, point).leftCols<scaled.RowsAtCompileTime>().lazyProduct(scaled);
+  Eigen::Matrix<double, 4, kColumns> J = spread_rows<kColumns>(rows);
   J(2, kDisparity) = 1.0;
-  J(2, kOffset) = 1.0;
-  J(3, kOffset) = 1.0;
+  if constexpr (kColumns == kUnknowns) {
+    J(2, kOffset) = 1.0;
+    J(3, kOffset) = 1.0;
+  }
   return J;
 }
+
+template Eigen::Matrix<double, 4, kUnknowns> point_jacobian<kUnknowns>(const Views&,
+                                                                       const PointState&);
+template Eigen::Matrix<double, 4, kMotionUnknowns> point_jacobian<kMotionUnknowns>(
+    const Views&, const PointState&);
 
 Eigen::Matrix<double, 4, 2> left0_jacobian(const Views& views, const PointState& point) {
   const Eigen::Matrix<double, 3, 2> rows =
@@ -105,7 +121,7 @@ Eigen::Matrix<double, 4, 2> left0_jacobian(const Views& views, const PointState&
 Eigen::Matrix<double, 4, 2> left0_mixed_derivative(const Views& views,
                                                    const PointState& point,
                                                    const PointVector& q) {
-  const Eigen::Matrix<double, 5, 1> along_q = scaled_point_jacobian(views, point) * q;
+  const Eigen::Matrix<double, 5, 1> along_q = scaled_point_jacobian<kUnknowns>(views, point) * q;
   const Eigen::Matrix<double, 3, 2> Y_left0 = scaled_point_left0_jacobian(views);
   // d(Y x theta + Y_focal x)/d(left0): the terms of dY along q that depend on the ray.
   const Eigen::Matrix<double, 3, 2> turned =
@@ -119,12 +135,17 @@ Eigen::Matrix<double, 4, 2> left0_mixed_derivative(const Views& views,
   return spread_rows<2>(rows);
 }
 
-PointMatrix curvature(const Views& views, const PointState& point, const Eigen::Vector4d& f) {
+template <int kColumns>
+Eigen::Matrix<double, kColumns, kColumns> curvature(const Views& views,
+                                                    const PointState& point,
+                                                    const Eigen::Vector4d& f) {
   const Eigen::Vector3d f_projection(f[0], f[1], f[3]);
-  const Eigen::Matrix<double, 5, kUnknowns> J = scaled_point_jacobian(views, point);
-  const Eigen::Matrix<double, 5, kUnknowns> CJ =
-      projection_curvature(views, point, f_projection).lazyProduct(J);
-  PointMatrix H = J.transpose().lazyProduct(CJ);
+  const ScaledJacobian<kColumns> J = scaled_point_jacobian<kColumns>(views, point);
+  constexpr int kInner = ScaledJacobian<kColumns>::RowsAtCompileTime;
+  const ScaledJacobian<kColumns> CJ = projection_curvature(views, point, f_projection)
+                                          .topLeftCorner<kInner, kInner>()
+                                          .lazyProduct(J);
+  Eigen::Matrix<double, kColumns, kColumns> H = J.transpose().lazyProduct(CJ);
 
   // Second derivative of Y itself: Exp(-tau) to second order, its mixed terms with d and focal.
   const Eigen::Vector3d g =
@@ -132,19 +153,25 @@ PointMatrix curvature(const Views& views, const PointState& point, const Eigen::
   const Eigen::Vector3d& Y = point.Y;
   const double inverse_depth = point.disparity * views.inverse_focal_baseline;
   const Eigen::Matrix3d theta_rho = -0.5 * inverse_depth * lie::skew(g);
-  H.block<3, 3>(3, 0) += theta_rho;
-  H.block<3, 3>(0, 3) += theta_rho.transpose();
-  H.block<3, 3>(3, 3) += 0.5 * (Y * g.transpose() + g * Y.transpose());
-  H.block<3, 3>(3, 3).diagonal().array() -= g.dot(Y);
+  H.template block<3, 3>(3, 0) += theta_rho;
+  H.template block<3, 3>(0, 3) += theta_rho.transpose();
+  H.template block<3, 3>(3, 3) += 0.5 * (Y * g.transpose() + g * Y.transpose());
+  H.template block<3, 3>(3, 3).diagonal().array() -= g.dot(Y);
   Eigen::Matrix<double, 6, 1> pose_disparity;
   pose_disparity << -views.inverse_focal_baseline * g, -views.Y_disparity.cross(g);
-  H.block<6, 1>(0, kDisparity) += pose_disparity;
-  H.block<1, 6>(kDisparity, 0) += pose_disparity.transpose();
-  const Eigen::Vector3d turn_focal = -point.Y_focal.cross(g);
-  H.block<3, 1>(3, kFocal) += turn_focal;
-  H.block<1, 3>(kFocal, 3) += turn_focal.transpose();
-  H(kFocal, kFocal) -= 2.0 * g.dot(point.Y_focal);
+  H.template block<6, 1>(0, kDisparity) += pose_disparity;
+  H.template block<1, 6>(kDisparity, 0) += pose_disparity.transpose();
+  if constexpr (kColumns == kUnknowns) {
+    const Eigen::Vector3d turn_focal = -point.Y_focal.cross(g);
+    H.template block<3, 1>(3, kFocal) += turn_focal;
+    H.template block<1, 3>(kFocal, 3) += turn_focal.transpose();
+    H(kFocal, kFocal) -= 2.0 * g.dot(point.Y_focal);
+  }
   return H;
 }
+
+template PointMatrix curvature<kUnknowns>(const Views&, const PointState&, const Eigen::Vector4d&);
+template Eigen::Matrix<double, kMotionUnknowns, kMotionUnknowns> curvature<kMotionUnknowns>(
+    const Views&, const PointState&, const Eigen::Vector4d&);
 
 }  // namespace imslam::vo::detail

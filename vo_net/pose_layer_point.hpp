@@ -16,6 +16,7 @@ inline constexpr int kDisparity = 6;
 inline constexpr int kOffset = 7;
 inline constexpr int kFocal = 8;
 inline constexpr int kUnknowns = 9;
+inline constexpr int kMotionUnknowns = 7;  ///< without the calibration: what the solver moves
 using PointVector = Eigen::Matrix<double, kUnknowns, 1>;
 using PointMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using PointJacobian = Eigen::Matrix<double, 4, kUnknowns>;
@@ -57,8 +58,9 @@ struct PointState {
 
 PointState evaluate_point(const Views& views, const Correspondence& c, double disparity);
 
-/// de/d(unknowns).
-PointJacobian point_jacobian(const Views& views, const PointState& point);
+/// de/d(the first kColumns unknowns): kUnknowns or kMotionUnknowns.
+template <int kColumns = kUnknowns>
+Eigen::Matrix<double, 4, kColumns> point_jacobian(const Views& views, const PointState& point);
 
 /// de/d(left0) (4x2).
 Eigen::Matrix<double, 4, 2> left0_jacobian(const Views& views, const PointState& point);
@@ -68,8 +70,12 @@ Eigen::Matrix<double, 4, 2> left0_mixed_derivative(const Views& views,
                                                    const PointState& point,
                                                    const PointVector& q);
 
-/// sum_r f_r d2 e_r / d(unknowns)^2 with f = Omega e: what Gauss-Newton leaves out.
-PointMatrix curvature(const Views& views, const PointState& point, const Eigen::Vector4d& f);
+/// sum_r f_r d2 e_r / d(the first kColumns unknowns)^2 with f = Omega e: what Gauss-Newton leaves
+/// out.
+template <int kColumns = kUnknowns>
+Eigen::Matrix<double, kColumns, kColumns> curvature(const Views& views,
+                                                    const PointState& point,
+                                                    const Eigen::Vector4d& f);
 
 /// Omega a, the information matrix of [left1 disparity0 disparity1] being block diagonal.
 inline Eigen::Vector4d apply_information(const Correspondence& c, const Eigen::Vector4d& a) {

@@ -25,6 +25,13 @@ ReducedVector without_disparity(const PointVector& v) {
   return r;
 }
 
+void add_reduced_motion(const PointModel& m, double curvature, ReducedSystem& system) {
+  const Eigen::Matrix<double, 6, 1> coupling = m.H.block<6, 1>(0, kDisparity);
+  system.H.topLeftCorner<6, 6>() +=
+      m.H.topLeftCorner<6, 6>() - coupling * (coupling / curvature).transpose();
+  system.g.head<6>() += m.g.head<6>() - coupling * (m.g[kDisparity] / curvature);
+}
+
 void add_reduced(const PointModel& m, double curvature, ReducedSystem& system) {
   const ReducedVector coupling = without_disparity(m.H.col(kDisparity));
   system.H.topLeftCorner<6, 6>() += m.H.topLeftCorner<6, 6>();
@@ -33,6 +40,32 @@ void add_reduced(const PointModel& m, double curvature, ReducedSystem& system) {
   system.H.bottomRightCorner<2, 2>() += m.H.bottomRightCorner<2, 2>();
   system.H -= coupling * (coupling / curvature).transpose();
   system.g += without_disparity(m.g) - coupling * (m.g[kDisparity] / curvature);
+}
+
+/// Fills the first kColumns rows and columns of m; f = Omega e.
+template <int kColumns>
+void add_quadratic(const Views& views,
+                   const Correspondence& c,
+                   const PointState& point,
+                   const Eigen::Vector4d& f,
+                   Model model,
+                   PointModel& m) {
+  using Jacobian = Eigen::Matrix<double, 4, kColumns>;
+  const Jacobian J = point_jacobian<kColumns>(views, point);
+  const Eigen::Matrix<double, kColumns, 1> Jf = J.transpose() * f;
+  Jacobian OmegaJ;
+  OmegaJ.template topRows<2>() = c.flow_information * J.template topRows<2>();
+  OmegaJ.row(2) = c.disparity0_information * J.row(2);
+  OmegaJ.row(3) = c.disparity1_information * J.row(3);
+  const double weight = c.weight * m.kernel.first;
+  m.g.template head<kColumns>() = weight * Jf;
+  Eigen::Ref<Eigen::Matrix<double, kColumns, kColumns>, 0, Eigen::OuterStride<>> H =
+      m.H.template topLeftCorner<kColumns, kColumns>();
+  H = weight * J.transpose().lazyProduct(OmegaJ);  // Eigen would take its big-matrix way
+  if (model == Model::kExact) {
+    H += weight * curvature<kColumns>(views, point, f);
+    H += (2.0 * c.weight * m.kernel.second) * (Jf * Jf.transpose());
+  }
 }
 
 }  // namespace
@@ -61,25 +94,19 @@ PointModel model_point(const Problem& problem,
                        const Views& views,
                        const Correspondence& c,
                        const PointState& point,
-                       Model model) {
+                       Model model,
+                       Unknowns unknowns) {
   PointModel m;
+  m.H.setZero();
+  m.g.setZero();
   const Eigen::Vector4d f = apply_information(c, point.e);
   m.s = point.e.dot(f);
   m.kernel = evaluate_kernel(problem.kernel, m.s, problem.kernel_k2);
   m.cost = 0.5 * c.weight * m.kernel.rho;
-
-  const PointJacobian J = point_jacobian(views, point);
-  const PointVector Jf = J.transpose() * f;
-  PointJacobian OmegaJ;
-  OmegaJ.topRows<2>() = c.flow_information * J.topRows<2>();
-  OmegaJ.row(2) = c.disparity0_information * J.row(2);
-  OmegaJ.row(3) = c.disparity1_information * J.row(3);
-  const double weight = c.weight * m.kernel.first;
-  m.g = weight * Jf;
-  m.H = weight * J.transpose().lazyProduct(OmegaJ);  // Eigen would take its big-matrix way
-  if (model == Model::kExact) {
-    m.H += weight * curvature(views, point, f);
-    m.H += (2.0 * c.weight * m.kernel.second) * (Jf * Jf.transpose());
+  if (unknowns == Unknowns::kMotion) {
+    add_quadratic<kMotionUnknowns>(views, c, point, f, model, m);
+  } else {
+    add_quadratic<kUnknowns>(views, c, point, f, model, m);
   }
   return m;
 }
@@ -88,7 +115,8 @@ void build_system(const Problem& problem,
                   const Estimate& estimate,
                   Model model,
                   double damping,
-                  ReducedSystem& system) {
+                  ReducedSystem& system,
+                  Unknowns unknowns) {
   const Views views(problem.camera, estimate.T_left0_left1, problem.offset);
   const std::size_t count = problem.correspondences.size();
   system.H.setZero();
@@ -108,9 +136,9 @@ void build_system(const Problem& problem,
           0.5 * c.weight * evaluate_kernel(problem.kernel, kBehindCamera, problem.kernel_k2).rho;
       continue;
     }
-    PointModel m = model_point(problem, views, c, point, model);
+    PointModel m = model_point(problem, views, c, point, model, unknowns);
     if (model == Model::kExact && !(m.H(kDisparity, kDisparity) > 0.0)) {
-      m = model_point(problem, views, c, point, Model::kGaussNewton);
+      m = model_point(problem, views, c, point, Model::kGaussNewton, unknowns);
     }
     eliminated.s = m.s;
     eliminated.slope = m.kernel.first;
@@ -122,7 +150,12 @@ void build_system(const Problem& problem,
     eliminated.coupling = without_disparity(m.H.col(kDisparity));
     eliminated.curvature = own_curvature;
     eliminated.gradient = m.g[kDisparity];
-    add_reduced(m, own_curvature * (1.0 + damping), system);
+    const double damped = own_curvature * (1.0 + damping);
+    if (unknowns == Unknowns::kMotion) {
+      add_reduced_motion(m, damped, system);
+    } else {
+      add_reduced(m, damped, system);
+    }
   }
 }
 

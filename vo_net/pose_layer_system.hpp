@@ -60,6 +60,10 @@ Problem make_problem(const Correspondences& correspondences,
                      double noise_scale,
                      double offset);
 
+/// Which unknowns a quadratic model is to know. The calibration does not move while the solver
+/// descends: without it a model costs half, and its rows and columns stay zero.
+enum class Unknowns { kMotion, kMotionAndCalibration };
+
 /// Gradient and 9x9 curvature of one point's cost 1/2 w rho(e^T Omega e).
 struct PointModel {
   PointMatrix H;
@@ -73,7 +77,8 @@ PointModel model_point(const Problem& problem,
                        const Views& views,
                        const Correspondence& c,
                        const PointState& point,
-                       Model model);
+                       Model model,
+                       Unknowns unknowns = Unknowns::kMotionAndCalibration);
 
 /// With Model::kExact a point whose exact curvature along its disparity is not positive falls back
 /// to Gauss-Newton.
@@ -81,6 +86,7 @@ void build_system(const Problem& problem,
                   const Estimate& estimate,
                   Model model,
                   double damping,
-                  ReducedSystem& system);
+                  ReducedSystem& system,
+                  Unknowns unknowns = Unknowns::kMotion);
 
 }  // namespace imslam::vo::detail

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "slam/base/error.hpp"
+#include "slam/base/parallel.hpp"
 
 namespace imslam::simulation {
 namespace {
@@ -15,6 +16,12 @@ namespace {
 using Matrix34f = Eigen::Matrix<float, 3, 4>;  // column major, as Embree takes it
 
 constexpr float kNearest = 0.02F;  ///< [m] nothing is nearer to a lens
+
+/// One building thread: the tree, and so the winner of a tie, is always the same.
+void commit_scene(RTCScene scene) {
+  const SingleThreadScope scope;
+  rtcCommitScene(scene);
+}
 
 /// The mesh's triangles, its vertices carried by `M`.
 RTCGeometry make_geometry(RTCDevice device, const Mesh& mesh, const Matrix34f& M) {
@@ -66,9 +73,8 @@ Matrix34f transform(const lie::SE3d& T_world_object, double scale) {
 class RayTracer::Implementation {
  public:
   explicit Implementation(const Scene& scene)
-      // One building thread: the tree, and so the winner of a tie, is always the same.
-      : device_(rtcNewDevice("threads=1,set_affinity=0")),
-        movers_(scene.instances.size(), nullptr) {
+      // Naming a number of threads here would hold all of oneTBB to it as long as the device lives.
+      : device_(rtcNewDevice("set_affinity=0")), movers_(scene.instances.size(), nullptr) {
     expects(device_ != nullptr, "RayTracer: Embree gave no device");
     resting_ = new_scene(device_);
     attach(resting_, make_geometry(device_, scene.fixed, transform(lie::SE3d(), 1.0)), 0);
@@ -81,8 +87,8 @@ class RayTracer::Implementation {
       else
         add_mover(i, mesh, M);
     }
-    rtcCommitScene(resting_);
-    if (moving_ != nullptr) rtcCommitScene(moving_);
+    commit_scene(resting_);
+    if (moving_ != nullptr) commit_scene(moving_);
   }
 
   ~Implementation() {
@@ -111,7 +117,7 @@ class RayTracer::Implementation {
     }
     RTCScene scene = new_scene(device_);
     attach(scene, make_geometry(device_, mesh, transform(lie::SE3d(), 1.0)), 0);
-    rtcCommitScene(scene);
+    commit_scene(scene);
     movers_[i] = add_instance(scene, i + 1, M);
     rtcReleaseScene(scene);
   }
@@ -139,7 +145,7 @@ void RayTracer::place(std::size_t instance, const lie::SE3d& T_world_object, dou
   implementation_->place(instance, T_world_object, scale);
 }
 
-void RayTracer::commit() { rtcCommitScene(implementation_->top()); }
+void RayTracer::commit() { commit_scene(implementation_->top()); }
 
 void RayTracer::closest(const Eigen::Vector3f& origin,
                         const RayPacket& rays,

@@ -31,6 +31,13 @@ int thread_count() {
       tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
+struct SingleThreadScope::Limit {
+  tbb::global_control control{tbb::global_control::max_allowed_parallelism, 1};
+};
+
+SingleThreadScope::SingleThreadScope() : limit_(std::make_unique<Limit>()) {}
+SingleThreadScope::~SingleThreadScope() = default;
+
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
   tbb::parallel_for(std::size_t{0}, count, body);
 }

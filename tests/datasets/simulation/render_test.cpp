@@ -220,6 +220,14 @@ TEST(Render, SameBytesForOneAndTwoThreadsAndForTwoSimulatorsInEveryScene) {
   }
 }
 
+TEST(Render, ASimulatorLeavesTheNumberOfThreadsAlone) {
+  const int threads = thread_count();
+  set_thread_count(2);
+  Simulator simulator(clean_options("room"));
+  EXPECT_EQ(thread_count(), 2);  // the ray tracer's library likes to hold the process to its own
+  set_thread_count(threads);
+}
+
 TEST(Render, AnotherSeedIsAnotherWorld) {
   SimulationOptions options = clean_options("room");
   const GrayImage first = Simulator(options).render(2.0).left;

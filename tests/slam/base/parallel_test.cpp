@@ -67,6 +67,15 @@ TEST_F(ParallelTest, LoopsMayBeNested) {
   EXPECT_EQ(rows[19][29], 19 * 29);
 }
 
+TEST_F(ParallelTest, AScopeHoldsTheProcessToOneThreadUntilItEnds) {
+  set_thread_count(4);
+  {
+    const SingleThreadScope scope;
+    EXPECT_EQ(thread_count(), 1);
+  }
+  EXPECT_EQ(thread_count(), 4);
+}
+
 TEST_F(ParallelTest, ANegativeNumberOfThreadsIsABug) {
   EXPECT_THROW(set_thread_count(-1), ContractError);
 }
