@@ -100,7 +100,7 @@ std::optional<Target> Comparison::target(const StereoPoint& point,
   const Eigen::Vector3d p = seen_now(0.0, 0.0);
   if (!(p.z() > camera_.baseline_m)) return std::nullopt;
   const Eigen::Vector3d uvd = camera_.project(p);
-  const double margin = 0.5 * vo_.klt.window;
+  const double margin = 0.5 * align_.window;
   if (!uvd.allFinite() || uvd.x() < margin || uvd.y() < margin ||
       uvd.x() > camera_.width - 1 - margin || uvd.y() > camera_.height - 1 - margin) {
     return std::nullopt;
@@ -261,6 +261,7 @@ KeyframeMatcher::KeyframeMatcher(const LoopOptions& options,
                                  const StereoCamera& camera)
     : options_(options), vo_(vo), camera_(camera) {
   options_.validate();
+  vo_.klt = vo.klt.for_width(camera.width);
 }
 
 std::optional<RelativeMotion> KeyframeMatcher::match(const Keyframe& keyframe,

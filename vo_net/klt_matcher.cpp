@@ -46,7 +46,7 @@ Eigen::Vector3d predict(const StereoCamera& camera, const Track& track, const li
 class KltMatcher::State {
  public:
   State(const KltOptions& options_in, const StereoCamera& camera_in)
-      : options(options_in), camera(camera_in) {
+      : options(options_in.for_width(camera_in.width)), camera(camera_in) {
     options.validate();
     align.window = options.window;
     align.smoothing = options.smoothing;

@@ -12,8 +12,8 @@ namespace imslam::vo {
 struct KltOptions {
   int max_points = 600;           ///< about; at most one point per cell of a grid
   int levels = 4;                 ///< of the image pyramid
-  int window = 15;                ///< [px] odd, <= 23: side of the patches followed over time
-  int stereo_window = 15;         ///< [px] odd, <= 23: side of the patches followed left to right
+  int window = 0;                 ///< [px] odd, <= 23: side of the patches followed over time
+  int stereo_window = 0;          ///< [px] likewise left to right; 0, both: by the image's width
   double smoothing = 0.8;         ///< [px] sigma of the Gaussian on the images, 0: none
   double min_correlation = 0.7;   ///< [1] of a patch with its match
   double max_round_trip = 0.5;    ///< [px] forward and backward must meet
@@ -27,6 +27,10 @@ struct KltOptions {
 
   void describe(Config& config);
   void validate() const;
+
+  /// With the windows that suit an image [px]: a patch that covers more of the scene mixes depths,
+  /// and its disparity leans towards the background. 15 px from 752 px of width on, 9 at least.
+  KltOptions for_width(int width) const;
 };
 
 /// Corners followed by Lucas-Kanade from frame to frame and from left to right.

@@ -137,7 +137,7 @@ TEST(VisualOdometry, IsNotLostForeverAfterACutToAnEmptierScene) {
   for (int i = 0; i < 12; ++i) {
     const bool cut = i >= 3;
     StereoFrame frame = (cut ? after : before).draw(camera, pose_of_frame(i), time_of_frame(i));
-    const auto most = static_cast<std::ptrdiff_t>(frame.left.pixels.size() * 6 / 7);
+    const auto most = static_cast<std::ptrdiff_t>(frame.left.pixels.size() * 7 / 8);
     for (GrayImage* image : {&frame.left, &frame.right}) {
       if (cut) std::fill(image->pixels.begin(), image->pixels.begin() + most, std::uint8_t{128});
     }
