@@ -13,12 +13,13 @@ using nn::Var;
 using nn::Window;
 
 TEST(LocalSoftArgmax, LiesBetweenTheLargestAndItsNeighbours) {
-  const Window window{-2, 1, -1, 1, 1};
+  const Window window{-2, 1, -1, 2, 1};
   Tensor<double> logits({1, 1, window.count()});
   logits.array() = -50.0;
   logits[4 + 1] = 2.0;  // (-1, 0)
   logits[4 + 2] = 2.0;  // (0, 0), as large
-  logits[3] = 1.9;      // (1, -1): within one cell of the second only
+  logits[3] = 1.9;      // (1, -1): within one cell of the second only, the first is the choice
+  logits[12] = 1.9;     // (-2, 2): two rows away
   Tape<double> tape;
   const Var y = local_soft_argmax(tape, tape.constant(logits), window);
   EXPECT_NEAR(tape.data(y)[0], -0.5, 1e-12);

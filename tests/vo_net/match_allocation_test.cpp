@@ -4,7 +4,6 @@
 #include <cstdlib>
 #include <new>
 
-#include "slam/base/parallel.hpp"
 #include "tests/vo_net/match_fixture.hpp"
 
 namespace {

@@ -112,7 +112,7 @@ struct HandMade {
       level.origin = tape.constant(Tensor<double>({1, 2, 2}));
       level.displacement = tape.constant(Tensor<double>({1, 2, 2}));
     }
-    match.prediction.displacement = tape.constant(Tensor<double>({1, 2, dimensions}));
+    match.prediction.displacement = tape.input(Tensor<double>({1, 2, dimensions}));
     match.prediction.log_sigma = tape.constant(Tensor<double>({1, 2, dimensions}));
     match.prediction.confidence = tape.constant(Tensor<double>({1, 2}));
     if (dimensions == 2) {
@@ -204,8 +204,13 @@ TEST(MatchLoss, PointsWithoutTruthCountForNothing) {
     truth.displacement[0] = 1.0;
     truth.displacement[dimensions] = nan;
     truth.valid[1] = 0.0;
-    const double expected = one.tape.number(match_loss(one.tape, one.match, truth).total);
+    const Var total = match_loss(one.tape, one.match, truth).total;
+    const double expected = one.tape.number(total);
     EXPECT_TRUE(std::isfinite(expected));
+    one.tape.backward(total);
+    const double* const gradient = one.tape.gradient_data(one.match.prediction.displacement);
+    EXPECT_NE(gradient[0], 0.0);
+    EXPECT_EQ(gradient[dimensions], 0.0);
     HandMade other(dimensions);
     other.tape.data(other.match.prediction.displacement)[dimensions] = 77.0;
     other.tape.data(other.match.prediction.confidence)[1] = 5.0;

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
 #include <set>
+#include <string>
 
-#include "slam/nn/ops/layout.hpp"
 #include "tests/vo_net/match_fixture.hpp"
 
 namespace imslam::vo {
@@ -191,6 +193,47 @@ TEST(MatchNetwork, StereoStaysOnTheRow) {
   for (const LevelMatch& level :
        match_pair(tape, network, pair, points, MatchKind::kStereo).levels) {
     EXPECT_EQ(tape.matrix(level.displacement).col(1).cwiseAbs().maxCoeff(), 0.0F);
+  }
+}
+
+TEST(MatchNetwork, UntrainedHeadMixesTheLevelsAndAddsNothing) {
+  Random random(11);
+  MatchNetwork<double> network(tiny_match_network(), random);
+  const TexturedPair pair(1, 53, 70, shifted_a_bit);
+  const Tensor<double> points = random_points(random, 9, 53, 70, 0.0);
+  for (const MatchKind kind : {MatchKind::kFlow, MatchKind::kStereo}) {
+    Tape<double> tape(Mode::kInference);
+    const NetworkMatch match = match_pair(tape, network, pair, points, kind);
+    const Index D = kind == MatchKind::kFlow ? 2 : 1;
+    for (Index i = 0; i < 9; ++i) {
+      const double* const mixing = tape.data(match.prediction.mixing) + 4 * i;
+      EXPECT_NEAR(mixing[3] / mixing[2], std::exp(1.0), 1e-12);
+      EXPECT_NEAR(mixing[0] + mixing[1] + mixing[2] + mixing[3], 1.0, 1e-12);
+      for (Index d = 0; d < D; ++d) {
+        double mixed = 0.0;
+        for (std::size_t l = 0; l < 4; ++l) {
+          mixed += mixing[l] * tape.data(match.levels[l].displacement)[2 * i + d];
+        }
+        EXPECT_NEAR(tape.data(match.prediction.displacement)[D * i + d], mixed, 1e-12);
+      }
+    }
+  }
+}
+
+TEST(MatchNetwork, AHintedGuessPlacesTheFineWindows) {
+  MatchNetwork<double> network = random_network<double>();
+  Random random(2);
+  const TexturedPair pair(1, 53, 70, shifted_a_bit);
+  const Tensor<double> points = random_points(random, 9, 53, 70, 0.0);
+  Tape<double> tape(Mode::kInference);
+  Tensor<double> guess({1, 9, 2});
+  for (Index i = 0; i < guess.size(); ++i) guess[i] = random.uniform(-40.0, 40.0);
+  MatchHint hint;
+  hint.guess = tape.constant(guess);
+  const NetworkMatch match = match_pair(tape, network, pair, points, MatchKind::kFlow, hint);
+  for (std::size_t l = 1; l < 4; ++l) {
+    const double distance = (tape.array(match.levels[l].origin) - guess.array()).abs().maxCoeff();
+    EXPECT_LE(distance, 0.5 * match.levels[l].stride);
   }
 }
 
