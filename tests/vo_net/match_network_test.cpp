@@ -48,6 +48,21 @@ TEST(MatchNetwork, HasAboutEightHundredThousandParameters) {
   EXPECT_NEAR(static_cast<double>(encoder.number_count()), 269000.0, 3000.0);
 }
 
+TEST(MatchNetwork, OptionsAreSetByTheirKeys) {
+  MatchNetworkOptions network;
+  MatchLossOptions loss;
+  Config config;
+  config.section("network", network);
+  config.section("loss", loss);
+  config.set("network.normalisation.small_radius=9", "test");
+  config.set("network.stereo_range_left=20", "test");
+  config.set("loss.confident_error=0", "test");
+  EXPECT_EQ(network.normalisation.small_radius, 9);
+  EXPECT_EQ(network.coarse_window(MatchKind::kStereo).x_min, -20);
+  EXPECT_NO_THROW(network.validate());
+  EXPECT_THROW(loss.validate(), InputError);
+}
+
 TEST(MatchNetwork, ParametersHaveStableNames) {
   Random random(1);
   MatchNetwork<float> network(tiny_match_network(), random);
