@@ -89,7 +89,8 @@ template <typename S>
 Var maximum(Tape<S>& tape, Var x, std::initializer_list<int> axes, Axes reduced) {
   const Shape of_x = tape.shape(x);
   const Shape kept = kept_shape(of_x, axes);
-  expects_shape(of_x.size() > 0, "maximum: of at least one number", of_x);
+  const bool nothing_to_do = kept.size() == 0;
+  expects_shape(of_x.size() > 0 || nothing_to_do, "maximum: of at least one number", of_x);
   const Var y = tape.make(kept);
   Index* const from = tape.template keep<Index>(kept.size());
   std::fill_n(from, kept.size(), Index{-1});

@@ -13,7 +13,7 @@ struct Blend {
   double share;
 };
 
-enum class Method { kNearest, kBilinear };
+enum class Method { kNearest, kBilinear, kAligned };
 
 void fill_blends(Method method, Index from, Index to, Blend* blends) {
   const double ratio = static_cast<double>(from) / static_cast<double>(to);
@@ -24,7 +24,8 @@ void fill_blends(Method method, Index from, Index to, Blend* blends) {
       blends[i] = {pixel, pixel, 0.0};
       continue;
     }
-    const double position = std::clamp(centre - 0.5, 0.0, static_cast<double>(from - 1));
+    const double wanted = method == Method::kAligned ? 0.5 * static_cast<double>(i) : centre - 0.5;
+    const double position = std::clamp(wanted, 0.0, static_cast<double>(from - 1));
     const auto first = static_cast<Index>(position);
     const Index second = std::min(first + 1, from - 1);
     blends[i] = {first, second, position - static_cast<double>(first)};
@@ -107,11 +108,20 @@ Var upsample2_bilinear(Tape<S>& tape, Var x) {
   return resize_bilinear(tape, x, 2 * tape.shape(x)[1], 2 * tape.shape(x)[2]);
 }
 
+template <typename S>
+Var upsample2_aligned(Tape<S>& tape, Var x, Index height, Index width) {
+  const Shape shape = tape.shape(x);
+  expects_shapes(shape.rank() == 4 && shape[1] == (height + 1) / 2 && shape[2] == (width + 1) / 2,
+                 "upsample2_aligned: x is half as large, rounded up", shape, {height, width});
+  return resize(tape, x, height, width, Method::kAligned);
+}
+
 #define INSTANTIATE(S)                                       \
   template Var resize_nearest(Tape<S>&, Var, Index, Index);  \
   template Var resize_bilinear(Tape<S>&, Var, Index, Index); \
   template Var upsample2_nearest(Tape<S>&, Var);             \
-  template Var upsample2_bilinear(Tape<S>&, Var);
+  template Var upsample2_bilinear(Tape<S>&, Var);            \
+  template Var upsample2_aligned(Tape<S>&, Var, Index, Index);
 IMSLAM_NN_FOR_EACH_SCALAR(INSTANTIATE)
 
 }  // namespace imslam::nn

@@ -21,4 +21,10 @@ Var upsample2_nearest(Tape<S>& tape, Var x);  ///< to 2 H x 2 W
 template <typename S>
 Var upsample2_bilinear(Tape<S>& tape, Var x);  ///< to 2 H x 2 W
 
+/// Bilinear with another convention: pixel i of y lies on x position i / 2, clamped to the image.
+/// That undoes a convolution of stride 2 with padding, whose output pixel i is centred on input
+/// pixel 2 i. x [N,ceil(height/2),ceil(width/2),C] -> y [N,height,width,C].
+template <typename S>
+Var upsample2_aligned(Tape<S>& tape, Var x, Index height, Index width);
+
 }  // namespace imslam::nn

@@ -40,6 +40,8 @@ TEST(Resize, Gradients) {
   check_op([](auto& t, const Vars& v) { return resize_nearest(t, v[0], 5, 7); }, one);
   check_op([](auto& t, const Vars& v) { return resize_bilinear(t, v[0], 5, 7); }, one);
   check_op([](auto& t, const Vars& v) { return resize_bilinear(t, v[0], 2, 3); }, one);
+  const std::vector<Shape> half{{2, 3, 2, 2}};
+  check_op([](auto& t, const Vars& v) { return upsample2_aligned(t, v[0], 5, 4); }, half);
 }
 
 TEST(Resize, BilinearKeepsARampAndItsBorders) {
@@ -48,6 +50,17 @@ TEST(Resize, BilinearKeepsARampAndItsBorders) {
   const Tensor<double> y = t.copy(resize_bilinear(t, x, 2, 6));
   const std::vector<double> row{0, 1, 3, 5, 7, 8};
   for (Index i = 0; i < 12; ++i) EXPECT_DOUBLE_EQ(y[i], row[static_cast<std::size_t>(i % 6)]);
+}
+
+TEST(Resize, AlignedPutsEverySecondPixelOnAPixel) {
+  Tape<double> t;
+  const Var x = t.constant(Tensor<double>({1, 1, 3, 1}, {0, 4, 9}));
+  const Tensor<double> odd = t.copy(upsample2_aligned(t, x, 1, 5));
+  const Tensor<double> even = t.copy(upsample2_aligned(t, x, 2, 6));
+  const std::vector<double> row{0, 2, 4, 6.5, 9, 9};
+  for (Index i = 0; i < 5; ++i) EXPECT_DOUBLE_EQ(odd[i], row[static_cast<std::size_t>(i)]);
+  for (Index i = 0; i < 12; ++i) EXPECT_DOUBLE_EQ(even[i], row[static_cast<std::size_t>(i % 6)]);
+  EXPECT_THROW(upsample2_aligned(t, x, 1, 7), ContractError);
 }
 
 TEST(Resize, NearestTakesThePixelThatCoversTheCentre) {

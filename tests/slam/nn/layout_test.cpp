@@ -94,6 +94,9 @@ TEST(Reduce, KnownNumbersAndShapes) {
   expect_numbers(t.copy(sum(t, x, {0})), {3, 5, 7});
   expect_numbers(t.copy(mean(t, x, {1})), {1, 4});
   expect_numbers(t.copy(maximum(t, x, {1})), {2, 5});
+  const Var no_rows = t.constant(Tensor<double>(Shape{0, 3}));
+  EXPECT_EQ(t.shape(maximum(t, no_rows, {1})), (Shape{0}));
+  EXPECT_THROW(maximum(t, no_rows, {0}), ContractError);
   EXPECT_EQ(t.shape(sum(t, x, {0}, Axes::kKeep)), (Shape{1, 3}));
   EXPECT_EQ(t.shape(sum(t, x, {0, 1})), Shape{});
   EXPECT_EQ(t.number(sum(t, x)), 15);
