@@ -107,7 +107,8 @@ TEST_P(ImuGap, IsSurvivedFlaggedAndForgottenWithinTwoSeconds) {  // M8
   expect_error_within(1.5, spoiled);
   const double from_s = 2.0 + length_s + 2.0;
   const double before_m = step_error_m(testing::simulated_base().clean_run, from_s, 1e9);
-  EXPECT_LE(step_error_m(dir_.path() / "run", from_s, 1e9), 1.5 * before_m);
+  constexpr double kLuck_m = 1e-3;  // steps of a few frames: below it a ratio says nothing
+  EXPECT_LE(step_error_m(dir_.path() / "run", from_s, 1e9), std::max(1.5 * before_m, kLuck_m));
 }
 
 INSTANTIATE_TEST_SUITE_P(Milliseconds,
