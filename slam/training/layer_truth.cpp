@@ -1,0 +1,121 @@
+#include "slam/training/layer_truth.hpp"
+
+#include <algorithm>
+
+namespace imslam::training {
+namespace {
+
+/// Tells whether a point of a layer is seen at a place of a view.
+class SightTest {
+ public:
+  SightTest(const LayeredScene& scene, const ShapeBank& shapes, const SeenScene& seen)
+      : scene_(scene),
+        shapes_(shapes),
+        seen_(seen),
+        width_(scene.camera.width),
+        height_(scene.camera.height) {}
+
+  MatchState operator()(double u, double v, std::int32_t layer) const {
+    if (!(u >= 0.0 && v >= 0.0 && u <= width_ - 1 && v <= height_ - 1)) return MatchState::kOutside;
+    // Four neighbours of the same layer leave no room for another one between them; only where they
+    // differ is it worth asking all layers.
+    if (surrounded_by(static_cast<int>(u), static_cast<int>(v), layer)) return MatchState::kVisible;
+    return hidden(u, v, layer) ? MatchState::kHidden : MatchState::kVisible;
+  }
+
+ private:
+  bool surrounded_by(int column, int row, std::int32_t layer) const {
+    const std::int32_t* at = seen_.view.layer.data() + row * width_ + column;
+    const std::int32_t* below = row + 1 < height_ ? at + width_ : at;
+    const int right = column + 1 < width_ ? 1 : 0;
+    return at[0] == layer && at[right] == layer && below[0] == layer && below[right] == layer;
+  }
+
+  bool hidden(double u, double v, std::int32_t layer) const {
+    const Eigen::Vector3d pixel(u, v, 1.0);
+    const auto own = static_cast<std::size_t>(layer);
+    const double own_inverse_depth = seen_.images[own].inverse_depth.dot(pixel);
+    for (std::size_t other = 0; other < seen_.images.size(); ++other) {
+      if (other == own) continue;
+      const LayerImage& image = seen_.images[other];
+      if (u < image.left || u > image.right || v < image.top || v > image.bottom) continue;
+      const double inverse_depth = image.inverse_depth.dot(pixel);
+      if (inverse_depth <= own_inverse_depth) continue;
+      const int shape = scene_.layers[other].shape;
+      if (shape == Layer::kEndless ||
+          shapes_.inside(static_cast<std::size_t>(shape), image.s.dot(pixel) / inverse_depth,
+                         image.t.dot(pixel) / inverse_depth)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  const LayeredScene& scene_;
+  const ShapeBank& shapes_;
+  const SeenScene& seen_;
+  int width_;
+  int height_;
+};
+
+}  // namespace
+
+void write_disparity(const LayeredScene& scene,
+                     const ShapeBank& shapes,
+                     const SeenScene& left0,
+                     const SeenScene& right0,
+                     Triplet& triplet) {
+  const StereoCamera& camera = scene.camera;
+  const SightTest sight(scene, shapes, right0);
+  triplet.disparity.resize(left0.view.layer.size());
+  triplet.disparity_state.resize(left0.view.layer.size());
+  for (int row = 0; row < camera.height; ++row) {
+    for (int column = 0; column < camera.width; ++column) {
+      const std::size_t at = triplet.index(row, column);
+      const std::int32_t layer = left0.view.layer[at];
+      const Eigen::Vector3d& inverse_depth =
+          left0.images[static_cast<std::size_t>(layer)].inverse_depth;
+      const double disparity =
+          camera.fx * camera.baseline_m *
+          (inverse_depth.x() * column + inverse_depth.y() * row + inverse_depth.z());
+      triplet.disparity[at] = static_cast<float>(disparity);
+      triplet.disparity_state[at] = sight(column - disparity, row, layer);
+    }
+  }
+}
+
+void write_flow(const LayeredScene& scene,
+                const ShapeBank& shapes,
+                const SeenScene& left0,
+                const SeenScene& left1,
+                Triplet& triplet) {
+  const StereoCamera& camera = scene.camera;
+  const SightTest sight(scene, shapes, left1);
+  std::vector<Eigen::Matrix3d> homographies;
+  for (const Layer& layer : scene.layers)
+    homographies.push_back(layer_homography(layer, camera, scene.T_left1_layer(layer)));
+  triplet.flow_u.resize(left0.view.layer.size());
+  triplet.flow_v.resize(left0.view.layer.size());
+  triplet.flow_state.resize(left0.view.layer.size());
+  constexpr double kLeastDepthRatio = 1e-3;
+  for (int row = 0; row < camera.height; ++row) {
+    for (int column = 0; column < camera.width; ++column) {
+      const std::size_t at = triplet.index(row, column);
+      const std::int32_t layer = left0.view.layer[at];
+      const Eigen::Vector3d target =
+          homographies[static_cast<std::size_t>(layer)] * Eigen::Vector3d(column, row, 1.0);
+      if (target.z() < kLeastDepthRatio) {
+        triplet.flow_u[at] = triplet.flow_v[at] = 0.0F;
+        triplet.flow_state[at] = MatchState::kNone;
+        continue;
+      }
+      const double u = target.x() / target.z();
+      const double v = target.y() / target.z();
+      triplet.flow_u[at] = static_cast<float>(u - column);
+      triplet.flow_v[at] = static_cast<float>(v - row);
+      triplet.flow_state[at] = sight(u, v, layer);
+    }
+  }
+}
+
+}  // namespace imslam::training
