@@ -95,17 +95,25 @@ class LayerPainter {
   }
 
   void paint(Layer& layer, double depth_m) {
-    const double texels_per_pixel = log_uniform(random_, 0.45, 2.5);
     layer.texture = static_cast<std::size_t>(
-        random_.integer(0, static_cast<std::int64_t>(stock_.texture_sizes.size()) - 1));
-    const double tiles_per_m =
-        texels_per_pixel * camera_.fx / (depth_m * stock_.texture_sizes[layer.texture]);
+        random_.integer(0, static_cast<std::int64_t>(stock_.textures.size()) - 1));
+    const TextureFacts& texture = stock_.textures[layer.texture];
+    const double texels_per_pixel = log_uniform(random_, 0.5, 3.0);
+    const double tiles_per_m = texels_per_pixel * camera_.fx / (depth_m * texture.size);
     const auto [e1, e2] = basis_of(layer.plane, random_.uniform(-M_PI, M_PI));
     layer.tile_axis_u = tiles_per_m * e1;
     layer.tile_axis_v = tiles_per_m * (random_.chance(0.5) ? e2 : Vector3d(-e2));
-    layer.tile_offset = {random_.uniform(), random_.uniform()};
-    layer.gain = random_.uniform(0.45, 1.1);
-    layer.offset = random_.uniform(-0.05, 1.0 - layer.gain);
+    layer.tile_offset.x() = random_.uniform();
+    layer.tile_offset.y() = random_.uniform();
+    // Most surfaces show detail; where a photograph has little, its contrast is raised. Some stay
+    // as faint as they are: a matcher must know when it sees nothing.
+    constexpr double kLively = 0.045;
+    constexpr double kMostBoost = 4.0;
+    const double boost =
+        random_.chance(0.85) ? std::clamp(kLively / std::max(texture.detail, 1e-4), 1.0, kMostBoost)
+                             : 1.0;
+    layer.gain = boost * random_.uniform(0.45, 1.1);
+    layer.offset = random_.uniform(0.25, 0.75) - layer.gain * texture.mean;
   }
 
   const StereoCamera& camera_;
@@ -122,12 +130,12 @@ void draw_walls(const StereoCamera& camera,
   const Vector3d turn{random.uniform(-0.25, 0.25), random.uniform(-0.5, 0.5),
                       0.1 * random.normal()};
   const lie::SO3d R = lie::SO3d::exp(turn);
-  const double middle = std::sqrt(range.near_disparity * range.far_disparity);
+  const double painted = 0.5 * range.near_disparity;  // neither blurred nearby nor grey far away
   // A plane parallel to the view that has the disparity where the image ends.
   const auto side = [&](const Vector3d& normal, double tangent) {
     const double disparity = range.near_disparity * log_uniform(random, 0.3, 1.0);
     const double distance = painter.depth(disparity) * std::max(tangent, 0.1);
-    layers.push_back(painter.endless(Vector3d(R * normal) / distance, painter.depth(middle)));
+    layers.push_back(painter.endless(Vector3d(R * normal) / distance, painter.depth(painted)));
   };
   if (random.chance(0.85)) side(Vector3d::UnitY(), (camera.height - camera.cy) / camera.fy);
   if (random.chance(0.3)) side(-Vector3d::UnitY(), camera.cy / camera.fy);
@@ -205,7 +213,7 @@ lie::SE3d LayeredScene::T_right0_left0() const {
 }
 
 LayeredScene draw_scene(const SceneOptions& options, const SceneStock& stock, Random random) {
-  expects(!stock.texture_sizes.empty() && stock.shapes > 0,
+  expects(!stock.textures.empty() && stock.shapes > 0,
           "draw_scene: textures and shapes are needed");
   LayeredScene scene;
   scene.camera = draw_camera(options, random);

@@ -40,9 +40,16 @@ struct LayeredScene {
   lie::SE3d T_left1_layer(const Layer& layer) const { return T_left1_left0 * layer.motion; }
 };
 
+/// What a layer must know of a texture to choose its scale and contrast.
+struct TextureFacts {
+  int size = 0;         ///< [texels]
+  double mean = 0.0;    ///< in [0, 1]
+  double detail = 0.0;  ///< mean difference of neighbours two texels wide, in [0, 1]
+};
+
 /// What the layers may choose from.
 struct SceneStock {
-  std::vector<int> texture_sizes;  ///< [texels] of each texture
+  std::vector<TextureFacts> textures;
   std::size_t shapes = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cstdlib>
 #include <optional>
 #include <utility>
 
@@ -33,23 +34,37 @@ Material draw_kind(Random& random) {
                               Material::kGrass,   Material::kLeaf,     Material::kRock,
                               Material::kFacade,  Material::kBooks,    Material::kDoor,
                               Material::kFabric,  Material::kMetal,    Material::kCeiling};
-  if (random.chance(0.5)) return Material::kPoster;
+  if (random.chance(0.4)) return Material::kPoster;
   return kKinds[static_cast<std::size_t>(random.integer(0, std::int64_t{kKinds.size()} - 1))];
 }
 
-std::vector<Texture> make_textures(const simulation::TextureBank& bank,
-                                   std::size_t count,
-                                   const Random& random) {
-  std::vector<std::optional<Texture>> made(count);
-  parallel_for(count, [&](std::size_t i) {
+std::vector<Texture> make_textures(const TripletOptions& options, const Random& random) {
+  options.validate();
+  const simulation::TextureBank bank(options.textures);
+  std::vector<std::optional<Texture>> made(static_cast<std::size_t>(options.texture_count));
+  parallel_for(made.size(), [&](std::size_t i) {
     Random own = random.fork(i);
     const Material kind = draw_kind(own);
     made[i] = bank.make(kind, own.fork(0));
   });
   std::vector<Texture> textures;
-  textures.reserve(count);
+  textures.reserve(made.size());
   for (std::optional<Texture>& texture : made) textures.push_back(std::move(*texture));
   return textures;
+}
+
+/// Looks at the first mip level: what a pixel sees is rarely finer.
+TextureFacts facts_of(const Texture& texture) {
+  TextureFacts facts{texture.size(), static_cast<double>(texture.mean()), 0.0};
+  const auto fine = static_cast<std::size_t>(texture.size());
+  const std::size_t size = fine / 2;
+  if (size < 2) return facts;
+  const std::uint8_t* level = texture.pixels() + fine * fine;
+  double sum = 0.0;
+  for (std::size_t i = 0; i + size < size * size; ++i)
+    sum += std::abs(level[i + 1] - level[i]) + std::abs(level[i + size] - level[i]);
+  facts.detail = sum / (2.0 * 255.0 * static_cast<double>(size * (size - 1)));
+  return facts;
 }
 
 Random stream(int seed, std::uint64_t which) {
@@ -94,14 +109,15 @@ void TripletOptions::validate() const {
 }
 
 TripletGenerator::TripletGenerator(const TripletOptions& options)
-    : options_((options.validate(), options)),
+    : TripletGenerator(options, make_textures(options, stream(options.seed, kTextureStream))) {}
+
+TripletGenerator::TripletGenerator(const TripletOptions& options,
+                                   const std::vector<Texture>& textures)
+    : options_(options),
       description_(simulation::TextureBank(options.textures).description()),
-      pool_(make_textures(simulation::TextureBank(options.textures),
-                          static_cast<std::size_t>(options.texture_count),
-                          stream(options.seed, kTextureStream))),
+      pool_(textures),
       shapes_(static_cast<std::size_t>(options.shape_count), stream(options.seed, kShapeStream)) {
-  for (std::size_t i = 0; i < static_cast<std::size_t>(options.texture_count); ++i)
-    stock_.texture_sizes.push_back(pool_.size(i));
+  for (const Texture& texture : textures) stock_.textures.push_back(facts_of(texture));
   stock_.shapes = shapes_.size();
 }
 

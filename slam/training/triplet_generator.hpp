@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/simulation/texture.hpp"
 #include "slam/training/layer_renderer.hpp"
 #include "slam/training/layered_scene.hpp"
 #include "slam/training/shape_bank.hpp"
@@ -48,6 +49,8 @@ class TripletGenerator {
   const std::string& description() const { return description_; }
 
  private:
+  TripletGenerator(const TripletOptions& options, const std::vector<simulation::Texture>& textures);
+
   TripletOptions options_;
   std::string description_;
   simulation::TexturePool pool_;

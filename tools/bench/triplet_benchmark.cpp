@@ -3,7 +3,7 @@
 //   triplet_benchmark [--count 100] [--repeats 5] [--textures auto] [--sheet FILE.png]
 //
 // Minimum and median over the repeats, of this thread's CPU time: other processes hardly count.
-// With --sheet a dozen samples are drawn instead.
+// With --sheet FILE.png samples are drawn instead (--first, --samples, --ramp).
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -29,6 +29,7 @@ struct Settings {
   int repeats = 5;
   double ramp = 1.0;
   int first = 0;
+  int samples = 12;
   std::string sheet;
 };
 
@@ -70,10 +71,10 @@ void measure_all(const Settings& settings,
 void draw_sheet(const Settings& settings,
                 const TripletGenerator& generator,
                 const Augmentation& augmentation) {
-  constexpr std::size_t kSamples = 12;
+  const auto samples = static_cast<std::size_t>(settings.samples);
   const auto first = static_cast<std::uint64_t>(settings.first);
-  std::vector<Triplet> triplets = generator.batch(first, kSamples);
-  for (std::size_t i = 0; i < kSamples; ++i)
+  std::vector<Triplet> triplets = generator.batch(first, samples);
+  for (std::size_t i = 0; i < samples; ++i)
     augmentation.apply(first + i, settings.ramp, triplets[i]);
   write_contact_sheet(triplets, settings.sheet);
 }
@@ -93,8 +94,9 @@ int main(int count, char** arguments) {
   app.add_option("--seed", options.seed);
   app.add_option("--ramp", settings.ramp, "strength of the augmentation")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--first", settings.first, "first sample of the sheet");
-  app.add_option("--sheet", settings.sheet, "draw a dozen samples into this file instead");
+  app.add_option("--first", settings.first, "first sample of the sheet")->check(CLI::Range(0, 1000000));
+  app.add_option("--samples", settings.samples, "of the sheet")->check(CLI::Range(1, 100));
+  app.add_option("--sheet", settings.sheet, "draw samples into this file instead");
   CLI11_PARSE(app, count, arguments);
   const double start = bench::cpu_ms();
   const training::TripletGenerator generator(options);
