@@ -16,7 +16,10 @@ class SightTest {
         height_(scene.camera.height) {}
 
   MatchState operator()(double u, double v, std::int32_t layer) const {
-    if (!(u >= 0.0 && v >= 0.0 && u <= width_ - 1 && v <= height_ - 1)) return MatchState::kOutside;
+    constexpr double kRounding = 1e-6;  // what does not move must not leave the image
+    const bool inside = u >= -kRounding && v >= -kRounding && u <= width_ - 1 + kRounding &&
+                        v <= height_ - 1 + kRounding;
+    if (!inside) return MatchState::kOutside;
     // Four neighbours of the same layer leave no room for another one between them; only where they
     // differ is it worth asking all layers.
     if (surrounded_by(static_cast<int>(u), static_cast<int>(v), layer)) return MatchState::kVisible;

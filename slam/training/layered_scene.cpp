@@ -109,8 +109,8 @@ class LayerPainter {
     // as faint as they are: a matcher must know when it sees nothing.
     constexpr double kLively = 0.045;
     constexpr double kMostBoost = 4.0;
-    const double boost =
-        random_.chance(0.85) ? std::clamp(kLively / std::max(texture.detail, 1e-4), 1.0, kMostBoost)
+    const double boost = random_.chance(0.85)
+                             ? std::clamp(kLively / std::max(texture.detail, 1e-4), 1.0, kMostBoost)
                              : 1.0;
     layer.gain = boost * random_.uniform(0.45, 1.1);
     layer.offset = random_.uniform(0.25, 0.75) - layer.gain * texture.mean;

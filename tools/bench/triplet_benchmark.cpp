@@ -94,7 +94,8 @@ int main(int count, char** arguments) {
   app.add_option("--seed", options.seed);
   app.add_option("--ramp", settings.ramp, "strength of the augmentation")
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--first", settings.first, "first sample of the sheet")->check(CLI::Range(0, 1000000));
+  app.add_option("--first", settings.first, "first sample of the sheet")
+      ->check(CLI::Range(0, 1000000));
   app.add_option("--samples", settings.samples, "of the sheet")->check(CLI::Range(1, 100));
   app.add_option("--sheet", settings.sheet, "draw samples into this file instead");
   CLI11_PARSE(app, count, arguments);
