@@ -61,7 +61,12 @@ void draw_light(const AugmentationOptions& o, double ramp, Random random, Triple
     });
   }
   if (random.chance(o.exposure_share)) {
-    d.left1.gain = draw_factor(random, o.least_gain, o.most_gain, ramp);
+    const float gain = draw_factor(random, o.least_gain, o.most_gain, ramp);
+    if (random.chance(0.5)) {
+      d.left1.gain = gain;
+    } else {
+      d.left0.gain = d.right0.gain = gain;
+    }
     // The right camera follows the left one, mostly.
     if (random.chance(0.3))
       d.right0.gain = draw_factor(random, std::sqrt(o.least_gain), std::sqrt(o.most_gain), ramp);

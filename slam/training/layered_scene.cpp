@@ -36,7 +36,7 @@ struct DepthRange {
 DepthRange draw_range(const SceneOptions& options, Random& random) {
   DepthRange range;
   range.near_disparity = log_uniform(random, options.least_disparity, options.most_disparity);
-  range.far_disparity = std::max(0.2, range.near_disparity * log_uniform(random, 0.02, 0.4));
+  range.far_disparity = std::max(0.2, range.near_disparity * log_uniform(random, 0.03, 0.6));
   return range;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "slam/base/error.hpp"
 
@@ -82,6 +83,31 @@ class Cover {
   int width_, height_;
 };
 
+/// Corrects the truth of one pixel of left0.
+void cover_truth(const std::vector<Occluder>& occluders,
+                 const Cover& in_right0,
+                 const Cover& in_left1,
+                 int row,
+                 int column,
+                 Triplet& t) {
+  const std::size_t at = t.index(row, column);
+  const int own = in_right0.over(column, row);
+  if (own >= 0) {
+    const Occluder& occluder = occluders[static_cast<std::size_t>(own)];
+    t.disparity[at] = static_cast<float>(occluder.disparity);
+    t.flow_u[at] = static_cast<float>(occluder.flow_u);
+    t.flow_v[at] = static_cast<float>(occluder.flow_v);
+    t.disparity_state[at] = in_right0.own_state(column - occluder.disparity, row, own);
+    t.flow_state[at] = in_left1.own_state(column + occluder.flow_u, row + occluder.flow_v, own);
+    return;
+  }
+  const double u = column - double{t.disparity[at]};
+  t.disparity_state[at] = in_right0.state(u, row, own, t.disparity_state[at]);
+  if (t.flow_state[at] == MatchState::kNone) return;
+  t.flow_state[at] = in_left1.state(column + double{t.flow_u[at]}, row + double{t.flow_v[at]}, own,
+                                    t.flow_state[at]);
+}
+
 }  // namespace
 
 void add_occluders(const std::vector<Occluder>& occluders, Triplet& triplet) {
@@ -101,26 +127,8 @@ void add_occluders(const std::vector<Occluder>& occluders, Triplet& triplet) {
   const Cover in_right0(left0, right0, triplet.camera.width, triplet.camera.height);
   const Cover in_left1(left0, left1, triplet.camera.width, triplet.camera.height);
   for (int row = 0; row < triplet.camera.height; ++row) {
-    for (int column = 0; column < triplet.camera.width; ++column) {
-      const std::size_t at = triplet.index(row, column);
-      const int own = in_right0.over(column, row);
-      if (own >= 0) {
-        const Occluder& occluder = occluders[static_cast<std::size_t>(own)];
-        triplet.disparity[at] = static_cast<float>(occluder.disparity);
-        triplet.flow_u[at] = static_cast<float>(occluder.flow_u);
-        triplet.flow_v[at] = static_cast<float>(occluder.flow_v);
-        triplet.disparity_state[at] = in_right0.own_state(column - occluder.disparity, row, own);
-        triplet.flow_state[at] =
-            in_left1.own_state(column + occluder.flow_u, row + occluder.flow_v, own);
-        continue;
-      }
-      const double u = column - double{triplet.disparity[at]};
-      triplet.disparity_state[at] = in_right0.state(u, row, own, triplet.disparity_state[at]);
-      if (triplet.flow_state[at] == MatchState::kNone) continue;
-      triplet.flow_state[at] =
-          in_left1.state(column + double{triplet.flow_u[at]}, row + double{triplet.flow_v[at]}, own,
-                         triplet.flow_state[at]);
-    }
+    for (int column = 0; column < triplet.camera.width; ++column)
+      cover_truth(occluders, in_right0, in_left1, row, column, triplet);
   }
 }
 

@@ -3,17 +3,21 @@
 //   triplet_benchmark [--count 100] [--repeats 5] [--textures auto] [--sheet FILE.png]
 //
 // Minimum and median over the repeats, of this thread's CPU time: other processes hardly count.
+// Then what the clean samples ask of a matcher.
 // With --sheet FILE.png samples are drawn instead (--first, --samples, --ramp).
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <ctime>
 #include <functional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "slam/training/augmentation.hpp"
-#include "slam/training/layer_truth.hpp"
 #include "slam/training/triplet_generator.hpp"
 #include "tools/bench/contact_sheet.hpp"
 
@@ -68,6 +72,50 @@ void measure_all(const Settings& settings,
   });
 }
 
+void print_quantiles(const char* what, std::vector<float> values) {
+  const auto at = [&](double share) {
+    const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), values.begin() + place, values.end());
+    return values[static_cast<std::size_t>(place)];
+  };
+  fmt::print("{:24} 5 % {:7.2f}   median {:7.2f}   95 % {:7.2f}   99.9 % {:7.2f}   most {:7.2f}\n",
+             what, at(0.05), at(0.5), at(0.95), at(0.999), at(1.0));
+}
+
+void print_states(const char* what, const std::array<std::size_t, 4>& counts) {
+  const double all = static_cast<double>(counts[0] + counts[1] + counts[2] + counts[3]);
+  fmt::print(
+      "{:24} visible {:.1f} %   hidden {:.1f} %   outside {:.1f} %   none {:.2f} %\n", what,
+      100.0 * static_cast<double>(counts[0]) / all, 100.0 * static_cast<double>(counts[1]) / all,
+      100.0 * static_cast<double>(counts[2]) / all, 100.0 * static_cast<double>(counts[3]) / all);
+}
+
+/// What the samples ask of a matcher; every 37th pixel is looked at.
+void print_statistics(const Settings& settings, const TripletGenerator& generator) {
+  std::vector<float> disparity;
+  std::vector<float> flow;
+  std::vector<float> contrast;
+  std::array<std::size_t, 4> disparity_states{};
+  std::array<std::size_t, 4> flow_states{};
+  Triplet triplet;
+  for (int i = 0; i < settings.count; ++i) {
+    generator.make(static_cast<std::uint64_t>(i), triplet);
+    for (std::size_t at = 0; at + 1 < triplet.disparity.size(); at += 37) {
+      ++disparity_states[static_cast<std::size_t>(triplet.disparity_state[at])];
+      ++flow_states[static_cast<std::size_t>(triplet.flow_state[at])];
+      disparity.push_back(triplet.disparity[at]);
+      contrast.push_back(std::abs(triplet.left0[at + 1] - triplet.left0[at]));
+      if (triplet.flow_state[at] == training::MatchState::kVisible)
+        flow.push_back(std::hypot(triplet.flow_u[at], triplet.flow_v[at]));
+    }
+  }
+  print_quantiles("disparity [px]", std::move(disparity));
+  print_quantiles("flow where visible [px]", std::move(flow));
+  print_quantiles("neighbours differ [grey]", std::move(contrast));
+  print_states("disparity", disparity_states);
+  print_states("flow", flow_states);
+}
+
 void draw_sheet(const Settings& settings,
                 const TripletGenerator& generator,
                 const Augmentation& augmentation) {
@@ -106,6 +154,7 @@ int main(int count, char** arguments) {
   const training::Augmentation augmentation({});
   if (settings.sheet.empty()) {
     bench::measure_all(settings, generator, augmentation);
+    bench::print_statistics(settings, generator);
   } else {
     bench::draw_sheet(settings, generator, augmentation);
   }

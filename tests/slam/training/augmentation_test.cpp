@@ -115,7 +115,7 @@ TEST(Augmentation, ViewsThatShareACameraOrAnInstantShareItsDefects) {
     EXPECT_EQ(d.left0.hot_seed, d.left1.hot_seed);
     EXPECT_EQ(d.left0.vignette_x, d.left1.vignette_x);
     EXPECT_EQ(d.left0.motion.u, d.right0.motion.u);
-    EXPECT_EQ(d.left0.gain, 1.0F);
+    EXPECT_TRUE(d.left0.gain == 1.0F || d.left1.gain == 1.0F);
     EXPECT_NE(d.noise_seeds[0], d.noise_seeds[1]);
   }
 }

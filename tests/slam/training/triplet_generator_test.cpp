@@ -4,8 +4,10 @@
 
 #include <optional>
 
+#include "slam/base/config.hpp"
 #include "slam/base/error.hpp"
 #include "slam/base/parallel.hpp"
+#include "slam/training/augmentation.hpp"
 #include "tests/slam/training/samples.hpp"
 
 namespace imslam::training {
@@ -230,6 +232,39 @@ TEST(TripletGenerator, MakesImagesOfOtherSizes) {
   const Triplet triplet = TripletGenerator(options).make(1);
   EXPECT_EQ(triplet.left0.size(), 208U * 160U);
   EXPECT_LT(quantile(stereo_residuals(triplet), 0.5), 1.0);
+}
+
+// Else there would be pixels that see nothing.
+TEST(TripletGenerator, TheFarthestLayerIsInFrontOfEveryCamera) {
+  SceneOptions options;
+  options.rotation_flow = 0.25 * options.width;
+  options.parallax_flow = 0.25 * options.width;
+  options.validate();
+  const SceneStock stock{{{512, 0.5, 0.05}}, 1};
+  for (std::uint64_t i = 0; i < 3000; ++i) {
+    const LayeredScene scene = draw_scene(options, stock, Random(i));
+    const Stations stations(scene);
+    const StereoCamera& c = scene.camera;
+    for (const lie::SE3d& T : {stations.right0.back(), stations.left1.back()}) {
+      const LayerImage image = project_layer(scene.layers.back(), c, T);
+      for (const double u : {-0.5, c.width - 0.5}) {
+        for (const double v : {-0.5, c.height - 0.5})
+          ASSERT_GT(image.inverse_depth.dot(Eigen::Vector3d(u, v, 1.0)), 0.0) << i;
+      }
+    }
+  }
+}
+
+TEST(TripletGenerator, OptionsCanBeSetByName) {
+  TripletOptions options;
+  AugmentationOptions augmentation;
+  Config config;
+  config.section("triplets", options);
+  config.section("augmentation", augmentation);
+  config.set("triplets.scene.moving_share=0.5", "test");
+  config.set("augmentation.darkest=0.1", "test");
+  EXPECT_EQ(options.scene.moving_share, 0.5);
+  EXPECT_EQ(augmentation.darkest, 0.1);
 }
 
 TEST(TripletGenerator, RefusesOptionsThatMakeNoSense) {
