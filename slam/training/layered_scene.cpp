@@ -94,10 +94,29 @@ class LayerPainter {
             std::cos(angle) * down - std::sin(angle) * right};
   }
 
-  void paint(Layer& layer, double depth_m) {
-    layer.texture = static_cast<std::size_t>(
+  std::size_t draw_texture() {
+    return static_cast<std::size_t>(
         random_.integer(0, static_cast<std::int64_t>(stock_.textures.size()) - 1));
+  }
+
+  void paint(Layer& layer, double depth_m) {
+    // Most surfaces show detail, none too much: plain textures are passed over, faint ones get more
+    // contrast, glaring ones less. Some stay as they are: a matcher must know when it sees nothing.
+    constexpr double kLively = 0.045;
+    constexpr double kMostBoost = 3.0;
+    const bool lively = random_.chance(0.85);
+    layer.texture = draw_texture();
+    for (int i = 0; lively && i < 4; ++i) {
+      if (stock_.textures[layer.texture].detail * kMostBoost >= kLively) break;
+      layer.texture = draw_texture();
+    }
     const TextureFacts& texture = stock_.textures[layer.texture];
+    const double boost =
+        lively ? std::clamp(kLively / std::max(texture.detail, 1e-4), 0.5, kMostBoost) : 1.0;
+    constexpr double kMostDeviation = 0.2;  // more would be black and white only
+    layer.gain = std::min(boost, kMostDeviation / std::max(texture.deviation, 1e-4)) *
+                 random_.uniform(0.45, 1.1);
+    layer.offset = random_.uniform(0.25, 0.75) - layer.gain * texture.mean;
     const double texels_per_pixel = log_uniform(random_, 0.5, 3.0);
     const double tiles_per_m = texels_per_pixel * camera_.fx / (depth_m * texture.size);
     const auto [e1, e2] = basis_of(layer.plane, random_.uniform(-M_PI, M_PI));
@@ -105,15 +124,6 @@ class LayerPainter {
     layer.tile_axis_v = tiles_per_m * (random_.chance(0.5) ? e2 : Vector3d(-e2));
     layer.tile_offset.x() = random_.uniform();
     layer.tile_offset.y() = random_.uniform();
-    // Most surfaces show detail; where a photograph has little, its contrast is raised. Some stay
-    // as faint as they are: a matcher must know when it sees nothing.
-    constexpr double kLively = 0.045;
-    constexpr double kMostBoost = 4.0;
-    const double boost = random_.chance(0.85)
-                             ? std::clamp(kLively / std::max(texture.detail, 1e-4), 1.0, kMostBoost)
-                             : 1.0;
-    layer.gain = boost * random_.uniform(0.45, 1.1);
-    layer.offset = random_.uniform(0.25, 0.75) - layer.gain * texture.mean;
   }
 
   const StereoCamera& camera_;

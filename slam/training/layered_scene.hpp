@@ -42,9 +42,10 @@ struct LayeredScene {
 
 /// What a layer must know of a texture to choose its scale and contrast.
 struct TextureFacts {
-  int size = 0;         ///< [texels]
-  double mean = 0.0;    ///< in [0, 1]
-  double detail = 0.0;  ///< mean difference of neighbours two texels wide, in [0, 1]
+  int size = 0;            ///< [texels]
+  double mean = 0.0;       ///< in [0, 1]
+  double deviation = 0.0;  ///< standard, in [0, 1]
+  double detail = 0.0;     ///< mean difference of neighbours two texels wide, in [0, 1]
 };
 
 /// What the layers may choose from.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <cstdlib>
 #include <optional>
 #include <utility>
@@ -55,14 +56,20 @@ std::vector<Texture> make_textures(const TripletOptions& options, const Random& 
 
 /// Looks at the first mip level: what a pixel sees is rarely finer.
 TextureFacts facts_of(const Texture& texture) {
-  TextureFacts facts{texture.size(), static_cast<double>(texture.mean()), 0.0};
+  TextureFacts facts;
+  facts.size = texture.size();
+  facts.mean = double{texture.mean()};
   const auto fine = static_cast<std::size_t>(texture.size());
   const std::size_t size = fine / 2;
   if (size < 2) return facts;
   const std::uint8_t* level = texture.pixels() + fine * fine;
   double sum = 0.0;
-  for (std::size_t i = 0; i + size < size * size; ++i)
+  double squares = 0.0;
+  for (std::size_t i = 0; i + size < size * size; ++i) {
     sum += std::abs(level[i + 1] - level[i]) + std::abs(level[i + size] - level[i]);
+    squares += std::pow(level[i] / 255.0 - facts.mean, 2);
+  }
+  facts.deviation = std::sqrt(squares / static_cast<double>(size * (size - 1)));
   facts.detail = sum / (2.0 * 255.0 * static_cast<double>(size * (size - 1)));
   return facts;
 }
@@ -93,7 +100,8 @@ void TripletOptions::describe(Config& config) {
   config.field("textures", textures, kTextureModes, "where textures come from");
   config.field("texture_count", texture_count, "textures to choose from, about 1 MB each");
   config.field("shape_count", shape_count, "outlines of cut-outs to choose from");
-  config.field("softness", softness, "most blur of the lenses [mip levels]");
+  config.field("softness", softness,
+               "blur of the softest lens [mip levels], four times the sharpest one's");
 }
 
 void TripletOptions::validate() const {
@@ -129,7 +137,7 @@ LayeredScene TripletGenerator::scene(std::uint64_t index) const {
 void TripletGenerator::make(std::uint64_t index, Triplet& triplet) const {
   const LayeredScene drawn = scene(index);
   Random lens = stream(options_.seed, kSampleStream).fork(index).fork(kLensStream);
-  const auto softness = static_cast<float>(lens.uniform(0.0, options_.softness));
+  const auto softness = static_cast<float>(options_.softness * lens.uniform(0.25, 1.0));
   SeenScene left0{project(drawn, {}), {}};
   SeenScene right0{project(drawn, drawn.T_right0_left0()), {}};
   SeenScene left1{project_after_motion(drawn), {}};

@@ -18,7 +18,7 @@ struct TripletOptions {
   std::string textures = "auto";  ///< as SimulationOptions::textures: auto, photos, procedural
   int texture_count = 160;        ///< drawn once; about 1 MB each
   int shape_count = 96;           ///< outlines of cut-outs, drawn once
-  double softness = 0.8;          ///< most mip levels of blur that the lenses have
+  double softness = 1.0;  ///< mip levels of blur that the softest lens has; a quarter: the sharpest
 
   void describe(Config& config);
   void validate() const;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -22,17 +23,28 @@ inline const TripletGenerator& quick_generator() {
   return generator;
 }
 
-inline double bilinear(const Triplet& triplet,
-                       const std::vector<float>& image,
-                       double u,
-                       double v) {
-  const int column = std::min(static_cast<int>(u), triplet.camera.width - 2);
-  const int row = std::min(static_cast<int>(v), triplet.camera.height - 2);
-  const double x = u - column;
-  const double y = v - row;
-  const auto at = [&](int r, int c) { return double{image[triplet.index(r, c)]}; };
-  return (1 - y) * ((1 - x) * at(row, column) + x * at(row, column + 1)) +
-         y * ((1 - x) * at(row + 1, column) + x * at(row + 1, column + 1));
+/// Catmull-Rom weights of the samples at -1, 0, 1, 2 for a place in [0, 1].
+inline std::array<double, 4> cubic_weights(double x) {
+  return {0.5 * x * (-1.0 + x * (2.0 - x)), 0.5 * (2.0 + x * x * (-5.0 + 3.0 * x)),
+          0.5 * x * (1.0 + x * (4.0 - 3.0 * x)), 0.5 * x * x * (x - 1.0)};
+}
+
+/// An image between its pixels, bicubic; borders are repeated.
+inline double look(const Triplet& triplet, const std::vector<float>& image, double u, double v) {
+  const int column = static_cast<int>(std::floor(u));
+  const int row = static_cast<int>(std::floor(v));
+  const std::array<double, 4> across = cubic_weights(u - column);
+  const std::array<double, 4> down = cubic_weights(v - row);
+  double sum = 0.0;
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 4; ++x) {
+      const int r = std::clamp(row + y - 1, 0, triplet.camera.height - 1);
+      const int c = std::clamp(column + x - 1, 0, triplet.camera.width - 1);
+      sum += down[static_cast<std::size_t>(y)] * across[static_cast<std::size_t>(x)] *
+             double{image[triplet.index(r, c)]};
+    }
+  }
+  return sum;
 }
 
 /// Differences between left0 and right0 where the match is visible; `row_error` moves the match.
@@ -42,8 +54,8 @@ inline std::vector<double> stereo_residuals(const Triplet& triplet, double row_e
     for (int column = 0; column < triplet.camera.width; ++column) {
       const std::size_t at = triplet.index(row, column);
       if (triplet.disparity_state[at] != MatchState::kVisible) continue;
-      const double seen = bilinear(triplet, triplet.right0, column - double{triplet.disparity[at]},
-                                   row + row_error);
+      const double seen =
+          look(triplet, triplet.right0, column - double{triplet.disparity[at]}, row + row_error);
       residuals.push_back(std::abs(seen - double{triplet.left0[at]}));
     }
   }
@@ -59,8 +71,7 @@ inline std::vector<double> flow_residuals(const Triplet& triplet, double error =
       if (triplet.flow_state[at] != MatchState::kVisible) continue;
       const double u = std::max(0.0, column + double{triplet.flow_u[at]} - error);
       const double v = std::max(0.0, row + double{triplet.flow_v[at]} - error);
-      residuals.push_back(
-          std::abs(bilinear(triplet, triplet.left1, u, v) - double{triplet.left0[at]}));
+      residuals.push_back(std::abs(look(triplet, triplet.left1, u, v) - double{triplet.left0[at]}));
     }
   }
   return residuals;

@@ -240,7 +240,7 @@ TEST(TripletGenerator, TheFarthestLayerIsInFrontOfEveryCamera) {
   options.rotation_flow = 0.25 * options.width;
   options.parallax_flow = 0.25 * options.width;
   options.validate();
-  const SceneStock stock{{{512, 0.5, 0.05}}, 1};
+  const SceneStock stock{{{512, 0.5, 0.2, 0.05}}, 1};
   for (std::uint64_t i = 0; i < 3000; ++i) {
     const LayeredScene scene = draw_scene(options, stock, Random(i));
     const Stations stations(scene);
