@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <optional>
 
 #include "slam/base/config.hpp"
@@ -140,10 +141,10 @@ MatchState expected_state(const LayeredScene& scene,
                           const std::vector<lie::SE3d>& T_camera_layers,
                           const Eigen::Vector2d& pixel,
                           std::size_t layer) {
-  if (pixel.x() < 0.0 || pixel.y() < 0.0 || pixel.x() > scene.camera.width - 1 ||
-      pixel.y() > scene.camera.height - 1) {
-    return MatchState::kOutside;
-  }
+  const Eigen::AlignedBox2d image(
+      Eigen::Vector2d(-1e-6, -1e-6),
+      Eigen::Vector2d(scene.camera.width - 1 + 1e-6, scene.camera.height - 1 + 1e-6));
+  if (!image.contains(pixel)) return MatchState::kOutside;
   const std::optional<Hit> hit = cast(scene, T_camera_layers, pixel);
   return hit && hit->layer == layer ? MatchState::kVisible : MatchState::kHidden;
 }
