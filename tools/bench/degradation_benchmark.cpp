@@ -13,6 +13,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,8 +25,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Outcome {
-  double ate_m = 0.0;
-  int failures = 0;  ///< of vision, and frames that are degraded
+  std::optional<double> ate_m;  ///< empty: nothing that could be evaluated came out
+  int failures = 0;             ///< of vision, and frames that are degraded
 };
 
 Outcome run(const std::string& imslam, const fs::path& folder, const fs::path& out) {
@@ -36,7 +37,8 @@ Outcome run(const std::string& imslam, const fs::path& folder, const fs::path& o
   std::ifstream stream(out / "metrics.json");
   const auto metrics = nlohmann::json::parse(stream);
   const auto& counters = metrics.at("counters");
-  return {metrics.at("graph").at("ate_se3_rmse_m").get<double>(),
+  const auto& ate_m = metrics.at("graph").at("ate_se3_rmse_m");
+  return {ate_m.is_null() ? std::nullopt : std::optional(ate_m.get<double>()),
           counters.at("vo_failures").get<int>() + counters.at("frames_degraded").get<int>()};
 }
 
@@ -46,8 +48,9 @@ void print_table(const std::string& imslam,
   const fs::path scratch = fs::temp_directory_path() / fmt::format("imslam_bench_{}", ::getpid());
   fs::create_directories(scratch);
   const Outcome clean = run(imslam, folder, scratch / "run");
+  if (!clean.ate_m) throw std::runtime_error("the unspoiled run has no error: is there a truth?");
   fmt::print("unspoiled: ATE {:.4f} m. Error over the unspoiled one (failed frames):\n{:<10}",
-             clean.ate_m, "severity");
+             *clean.ate_m, "severity");
   for (int severity = 1; severity <= 5; ++severity) fmt::print("{:>14}", severity);
   fmt::print("\n");
   for (const testing::Degradation& degradation : testing::degradations()) {
@@ -59,8 +62,9 @@ void print_table(const std::string& imslam,
       testing::Chaos chaos(folder, scratch / "spoiled");
       degradation.spoil(chaos, severity);
       const Outcome spoiled = run(imslam, chaos.folder(), scratch / "run");
-      fmt::print("{:>8.2f} {:<5}", spoiled.ate_m / clean.ate_m,
-                 fmt::format("({})", spoiled.failures));
+      const std::string ratio =
+          spoiled.ate_m ? fmt::format("{:.2f}", *spoiled.ate_m / *clean.ate_m) : "lost";
+      fmt::print("{:>8} {:<5}", ratio, fmt::format("({})", spoiled.failures));
       std::fflush(stdout);
     }
     fmt::print("\n");
