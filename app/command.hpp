@@ -29,5 +29,6 @@ void add_simulate_command(CLI::App& app, Action& action, const CommonOptions& co
 void add_report_command(CLI::App& app, Action& action);
 void add_config_command(CLI::App& app, Action& action);
 void add_model_command(CLI::App& app, Action& action);
+void add_train_command(CLI::App& app, Action& action, const CommonOptions& common);
 
 }  // namespace imslam::app

@@ -78,6 +78,7 @@ int execute(int argc, char** argv) {
   add_report_command(app, action);
   add_config_command(app, action);
   add_model_command(app, action);
+  add_train_command(app, action, common);
 
   try {
     app.parse(argc, argv);

@@ -5,9 +5,7 @@
 #include "slam/base/error.hpp"
 
 namespace imslam::app {
-namespace {
 
-/// A file as given, or one of the shipped configs by its bare name ("kitti", "paper_euroc").
 std::filesystem::path find_config(const std::string& name) {
   if (std::filesystem::exists(name)) return name;
   const std::filesystem::path shipped(IMSLAM_CONFIG_FOLDER);
@@ -17,8 +15,6 @@ std::filesystem::path find_config(const std::string& name) {
   throw InputError(name + ": no such config file; shipped ones are in " + shipped.string(),
                    ExitCode::kUsage);
 }
-
-}  // namespace
 
 Settings::Settings() { slam_.describe(config_); }
 

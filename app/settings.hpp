@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,10 @@ class Settings {
   system::SlamOptions slam_;
   Config config_;
 };
+
+/// A config file as given, or a shipped one by its bare name ("kitti", "paper_euroc"). Throws
+/// InputError(kUsage).
+std::filesystem::path find_config(const std::string& name);
 
 /// The layers above the defaults, as given on the command line:
 /// defaults < --config files in order < environment IMSLAM_* < --set key=value in order.

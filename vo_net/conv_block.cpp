@@ -4,6 +4,12 @@
 #include "slam/nn/ops/arithmetic.hpp"
 
 namespace imslam::vo {
+namespace {
+
+// Samples are observed one by one, each with statistics of its own scene: a long memory is needed.
+constexpr double kStatisticsRate = 0.01;
+
+}  // namespace
 
 template <typename S>
 ConvBlock<S>::ConvBlock(int inputs, int outputs, const Geometry& geometry, Random& random)
@@ -16,6 +22,7 @@ ConvBlock<S>::ConvBlock(int inputs, int outputs, const Geometry& geometry, Rando
       norm(outputs),
       activation(geometry.activation) {
   conv.bias.trainable = false;  // the norm takes away whatever it adds
+  norm.rate = kStatisticsRate;
 }
 
 template <typename S>

@@ -1,19 +1,8 @@
-#include <fmt/format.h>
-
 #include "slam/base/config.hpp"
-#include "slam/base/error.hpp"
 #include "slam/training/augmentation.hpp"
+#include "slam/training/bounds.hpp"
 
 namespace imslam::training {
-namespace {
-
-void within(const char* key, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw InputError(fmt::format("{}: expected {} to {}, got {}", key, low, high, value),
-                   ExitCode::kUsage);
-}
-
-}  // namespace
 
 void AugmentationOptions::describe(Config& config) {
   config.field("seed", seed, "of all degradations");
@@ -44,30 +33,30 @@ void AugmentationOptions::describe(Config& config) {
 }
 
 void AugmentationOptions::validate() const {
-  within("exposure_share", exposure_share, 0.0, 1.0);
-  within("least_gain", least_gain, 0.01, 1.0);
-  within("most_gain", most_gain, 1.0, 100.0);
-  within("gamma_share", gamma_share, 0.0, 1.0);
-  within("most_gamma", most_gamma, 1.0, 5.0);
-  within("dark_share", dark_share, 0.0, 1.0);
-  within("darkest", darkest, 0.001, 1.0);
-  within("vignetting_share", vignetting_share, 0.0, 1.0);
-  within("vignetting", vignetting, 0.0, 1.0);
-  within("haze_share", haze_share, 0.0, 1.0);
-  within("haze", haze, 0.0, 1.0);
-  within("motion_blur_share", motion_blur_share, 0.0, 1.0);
-  within("motion_blur", motion_blur, 0.0, 48.0);
-  within("defocus_share", defocus_share, 0.0, 1.0);
-  within("defocus", defocus, 0.0, 10.0);
-  within("noise_share", noise_share, 0.0, 1.0);
-  within("read_noise", read_noise, 0.0, 255.0);
-  within("shot_noise", shot_noise, 0.0, 100.0);
-  within("hot_pixel_share", hot_pixel_share, 0.0, 1.0);
-  within("hot_pixels", hot_pixels, 0, 10000);
-  within("occluder_share", occluder_share, 0.0, 1.0);
-  within("occluders", occluders, 0, 100);
-  within("occluder_flow", occluder_flow, 0.0, 1000.0);
-  within("occluder_disparity", occluder_disparity, 1.0, 1000.0);
+  require_within("exposure_share", exposure_share, 0.0, 1.0);
+  require_within("least_gain", least_gain, 0.01, 1.0);
+  require_within("most_gain", most_gain, 1.0, 100.0);
+  require_within("gamma_share", gamma_share, 0.0, 1.0);
+  require_within("most_gamma", most_gamma, 1.0, 5.0);
+  require_within("dark_share", dark_share, 0.0, 1.0);
+  require_within("darkest", darkest, 0.001, 1.0);
+  require_within("vignetting_share", vignetting_share, 0.0, 1.0);
+  require_within("vignetting", vignetting, 0.0, 1.0);
+  require_within("haze_share", haze_share, 0.0, 1.0);
+  require_within("haze", haze, 0.0, 1.0);
+  require_within("motion_blur_share", motion_blur_share, 0.0, 1.0);
+  require_within("motion_blur", motion_blur, 0.0, 48.0);
+  require_within("defocus_share", defocus_share, 0.0, 1.0);
+  require_within("defocus", defocus, 0.0, 10.0);
+  require_within("noise_share", noise_share, 0.0, 1.0);
+  require_within("read_noise", read_noise, 0.0, 255.0);
+  require_within("shot_noise", shot_noise, 0.0, 100.0);
+  require_within("hot_pixel_share", hot_pixel_share, 0.0, 1.0);
+  require_within("hot_pixels", hot_pixels, 0, 10000);
+  require_within("occluder_share", occluder_share, 0.0, 1.0);
+  require_within("occluders", occluders, 0, 100);
+  require_within("occluder_flow", occluder_flow, 0.0, 1000.0);
+  require_within("occluder_disparity", occluder_disparity, 1.0, 1000.0);
 }
 
 }  // namespace imslam::training

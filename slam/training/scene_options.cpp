@@ -2,6 +2,7 @@
 
 #include "slam/base/config.hpp"
 #include "slam/base/error.hpp"
+#include "slam/training/bounds.hpp"
 #include "slam/training/layered_scene.hpp"
 
 namespace imslam::training {
@@ -11,11 +12,6 @@ void require(bool holds, const char* key, double value, const char* bound) {
   if (holds) return;
   throw InputError(fmt::format("scene.{}: expected {}, got {}", key, bound, value),
                    ExitCode::kUsage);
-}
-
-void require_within(const char* key, double value, double low, double high) {
-  const std::string bound = fmt::format("{} to {}", low, high);
-  require(value >= low && value <= high, key, value, bound.c_str());
 }
 
 }  // namespace
@@ -33,18 +29,18 @@ void SceneOptions::describe(Config& config) {
 }
 
 void SceneOptions::validate() const {
-  require_within("width", width, 64, 2048);
-  require_within("height", height, 64, 2048);
+  require_within("scene.width", width, 64, 2048);
+  require_within("scene.height", height, 64, 2048);
   require(width % 16 == 0, "width", width, "a multiple of 16");
   require(height % 16 == 0, "height", height, "a multiple of 16");
-  require_within("least_disparity", least_disparity, 1.0, 512.0);
+  require_within("scene.least_disparity", least_disparity, 1.0, 512.0);
   require(most_disparity >= least_disparity && most_disparity <= 0.5 * width, "most_disparity",
           most_disparity, "least_disparity to half the width");
-  require_within("rotation_flow", rotation_flow, 0.0, 0.25 * width);
-  require_within("parallax_flow", parallax_flow, 0.0, 0.25 * width);
-  require_within("object_flow", object_flow, 0.0, 0.25 * width);
-  require_within("moving_share", moving_share, 0.0, 1.0);
-  require_within("still_share", still_share, 0.0, 1.0);
+  require_within("scene.rotation_flow", rotation_flow, 0.0, 0.25 * width);
+  require_within("scene.parallax_flow", parallax_flow, 0.0, 0.25 * width);
+  require_within("scene.object_flow", object_flow, 0.0, 0.25 * width);
+  require_within("scene.moving_share", moving_share, 0.0, 1.0);
+  require_within("scene.still_share", still_share, 0.0, 1.0);
 }
 
 }  // namespace imslam::training

@@ -1,0 +1,103 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "app/command.hpp"
+#include "app/interrupt.hpp"
+#include "app/settings.hpp"
+#include "slam/base/config.hpp"
+#include "slam/base/log.hpp"
+#include "slam/base/progress.hpp"
+#include "slam/training/training_run.hpp"
+
+namespace imslam::app {
+namespace {
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  imslam train vo --config train_vo                 the shipped weights, from nothing\n"
+    "  imslam train vo --config train_vo --resume        go on after a stop, bit by bit\n"
+    "  imslam train vo --out runs/short --set steps=500 --set batch=8\n"
+    "`imslam train vo --list` prints every key with its default and meaning.";
+
+struct TrainArguments {
+  std::string out = "runs/train_vo";
+  std::string start;
+  std::vector<std::string> files;
+  std::vector<std::string> assignments;
+  bool resume = false;
+  bool force = false;
+  bool list = false;
+};
+
+std::string joined(const std::vector<std::string>& words) {
+  std::string line = "imslam";
+  for (std::size_t i = 1; i < words.size(); ++i) line += " " + words[i];
+  return line;
+}
+
+ExitCode train_vo(const TrainArguments& arguments, const CommonOptions& common) {
+  training::PretrainVoOptions options;
+  Config config;
+  config.section("train", options);
+  for (const std::string& file : arguments.files) config.load_file(find_config(file));
+  for (const std::string& assignment : arguments.assignments)
+    config.set("train." + assignment, "--set");
+  if (arguments.list) {
+    std::fputs(config.to_yaml(true).c_str(), stdout);
+    return ExitCode::kOk;
+  }
+  training::TrainingRequest request;
+  request.folder = arguments.out;
+  request.resume = arguments.resume;
+  request.force = arguments.force;
+  request.start = arguments.start;
+  request.command = joined(common.command_line);
+
+  const HeldInterrupts held;
+  ProgressBar bar("train vo", !common.quiet);
+  request.keep_going = [&](int done, int steps, const std::string& note) {
+    bar.update(static_cast<std::size_t>(done), static_cast<std::size_t>(steps), note);
+    return !interrupted();
+  };
+  request.tell = [&](const std::string& line) {
+    bar.clear();
+    log::info("{}", line);
+  };
+  const auto outcome = training::run_pretraining(options, request);
+  bar.clear();
+  if (outcome.skipped > 0) {
+    log::warn("{} of {} steps had a gradient that is not finite and were left out", outcome.skipped,
+              outcome.steps);
+  }
+  fmt::print("{} steps; best: {}\n{}: {}\n", outcome.steps,
+             outcome.best.empty() ? "not validated yet" : outcome.best,
+             outcome.stopped ? "stopped; --resume goes on" : "weights", outcome.weights.string());
+  return outcome.stopped ? ExitCode::kInterrupted : ExitCode::kOk;
+}
+
+}  // namespace
+
+void add_train_command(CLI::App& app, Action& action, const CommonOptions& common) {
+  auto* command = app.add_subcommand("train", "Train a network from nothing, without real data");
+  command->require_subcommand(1);
+  command->footer(kExamples);
+  auto* vo = command->add_subcommand("vo", "The matching network of the stereo front end");
+  vo->footer(kExamples);
+  auto arguments = std::make_shared<TrainArguments>();
+  vo->add_option("--out", arguments->out, "Folder of the training")->capture_default_str();
+  vo->add_option("-c,--config", arguments->files, "YAML file(s), or the name of a shipped one");
+  vo->add_option("--set", arguments->assignments, "Override one key")->type_name("KEY=VALUE");
+  vo->add_option("--start", arguments->start, "Weights to begin with")->type_name("FILE");
+  vo->add_flag("--resume", arguments->resume, "Go on with the training in --out");
+  vo->add_flag("--force", arguments->force, "Throw an earlier training in --out away");
+  vo->add_flag("--list", arguments->list, "Print all keys and stop");
+  vo->callback([&action, arguments, &common] {
+    action = [arguments, &common] { return train_vo(*arguments, common); };
+  });
+}
+
+}  // namespace imslam::app

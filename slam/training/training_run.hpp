@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include "slam/training/match_validation.hpp"
+#include "slam/training/pretrain_options.hpp"
+
+namespace imslam::training {
+
+/// What to do in which folder.
+struct TrainingRequest {
+  std::filesystem::path folder;
+  bool resume = false;          ///< go on from the checkpoint, if there is one
+  bool force = false;           ///< throw an earlier training away
+  std::filesystem::path start;  ///< weights to begin with; empty: random ones
+  std::string command;          ///< as typed, for the model card
+  /// Called after every step with the steps done, all steps and a note for people; false: stop in
+  /// good order.
+  std::function<bool(int done, int steps, const std::string& note)> keep_going;
+  std::function<void(const std::string& line)> tell;  ///< validations, as they come
+};
+
+struct TrainingOutcome {
+  bool stopped = false;  ///< by keep_going; the checkpoint allows to go on
+  int steps = 0;
+  int skipped = 0;
+  std::string best;  ///< the validation of the weights that were kept
+  std::filesystem::path weights;
+};
+
+/// Trains in a folder that anybody can stop and go on with:
+///
+///   config.yaml                  all options
+///   checkpoint.safetensors       every checkpoint_every steps and at the end, all or nothing
+///   match_network.safetensors    the weights with the least validation loss so far, float16
+///   log.csv                      the validations
+///
+/// Throws InputError: kUsage on bad options, kOutput on a folder that is in use, kModel on a
+/// checkpoint of other options.
+TrainingOutcome run_pretraining(const PretrainVoOptions& options, const TrainingRequest& request);
+
+}  // namespace imslam::training
