@@ -34,7 +34,12 @@ nn::ParameterList<float> parameters_of(vo::MatchNetwork<float>& network) {
   return list;
 }
 
+/// What the weights depend on: not how often they are looked at.
 std::string text_of(PretrainVoOptions options) {
+  const PretrainVoOptions defaults;
+  options.validation_every = defaults.validation_every;
+  options.validation_samples = defaults.validation_samples;
+  options.checkpoint_every = defaults.checkpoint_every;
   Config config;
   config.section("train", options);
   return config.to_yaml();
