@@ -35,9 +35,12 @@ void write_pixels(const GrayImage& image, int shrink, Index height, Index width,
   }
 }
 
-void keep(const nn::Tape<float>& tape, Var features, nn::Tensor<float>& kept) {
-  if (kept.shape() != tape.shape(features)) kept = nn::Tensor<float>(tape.shape(features));
-  std::copy_n(tape.data(features), kept.size(), kept.data());
+/// The features of one tape for use on another.
+FeaturePyramid borrow(nn::Tape<float>& tape,
+                      const nn::Tape<float>& owner,
+                      const FeaturePyramid& features) {
+  return {tape.borrow(owner, features.half), tape.borrow(owner, features.quarter),
+          tape.borrow(owner, features.eighth), tape.borrow(owner, features.sixteenth)};
 }
 
 double sigmoid(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
@@ -64,7 +67,11 @@ NetworkAnswer answer_of(const nn::Tape<float>& tape, const MatchPrediction& pred
 }  // namespace
 
 MatchInference::MatchInference(std::shared_ptr<MatchNetwork<float>> network, int shrink)
-    : network_(std::move(network)), shrink_(shrink) {
+    : network_(std::move(network)),
+      shrink_(shrink),
+      left_before_(std::make_unique<Encoded>()),
+      left_(std::make_unique<Encoded>()),
+      right_(std::make_unique<Encoded>()) {
   expects(network_ != nullptr && shrink >= 1, "MatchInference: needs a network and a whole factor");
 }
 
@@ -81,29 +88,44 @@ void MatchInference::advance(const GrayImage& left, const GrayImage& right) {
   expects(left.width >= shrink_ && left.height >= shrink_ && left.width == right.width &&
               left.height == right.height,
           "MatchInference::advance: two images of one size");
-  std::swap(left_features_, features_before_);
-  parallel_for(2, [&](std::size_t i) { i == 0 ? encode(left, left_) : encode(right, right_); });
-  keep(left_.tape, left_.features.half, left_features_.half);
-  keep(left_.tape, left_.features.quarter, left_features_.quarter);
-  keep(left_.tape, left_.features.eighth, left_features_.eighth);
-  keep(left_.tape, left_.features.sixteenth, left_features_.sixteenth);
+  std::swap(left_, left_before_);
+  stereo_logits_ = {};
+  parallel_for(2, [&](std::size_t i) { i == 0 ? encode(left, *left_) : encode(right, *right_); });
 }
 
-void MatchInference::step_back() { std::swap(left_features_, features_before_); }
+void MatchInference::step_back() {
+  std::swap(left_, left_before_);
+  left_before_->features = {};
+}
+
+void MatchInference::prepare_stereo() {
+  if (stereo_logits_) return;
+  nn::Tape<float>& tape = right_->tape;
+  stereo_logits_ = network_->coarse_logits(tape, borrow(tape, left_->tape, left_->features),
+                                           right_->features, MatchKind::kStereo);
+}
 
 std::vector<NetworkAnswer> MatchInference::flow(const std::vector<Eigen::Vector2d>& points,
                                                 const Eigen::Vector2d& predicted) {
   MatchHint hint;
   hint.predicted_x = predicted.x() / shrink_;
   hint.predicted_y = predicted.y() / shrink_;
-  return match(features_before_, left_, points, MatchKind::kFlow, hint);
+  std::vector<NetworkAnswer> answers;
+  parallel_for(2, [&](std::size_t i) {  // on two tapes
+    if (i == 0) answers = match(*left_before_, *left_, points, MatchKind::kFlow, hint);
+    if (i == 1) prepare_stereo();
+  });
+  return answers;
 }
 
 std::vector<NetworkAnswer> MatchInference::stereo(const std::vector<Eigen::Vector2d>& points) {
-  return match(left_features_, right_, points, MatchKind::kStereo, {});
+  prepare_stereo();
+  MatchHint hint;
+  hint.coarse_logits = stereo_logits_;
+  return match(*left_, *right_, points, MatchKind::kStereo, hint);
 }
 
-std::vector<NetworkAnswer> MatchInference::match(const Features& from,
+std::vector<NetworkAnswer> MatchInference::match(const Encoded& from,
                                                  Encoded& to,
                                                  const std::vector<Eigen::Vector2d>& points,
                                                  MatchKind kind,
@@ -117,8 +139,7 @@ std::vector<NetworkAnswer> MatchInference::match(const Features& from,
     const Eigen::Vector2d place = (points[i].array() - middle) / shrink_;
     Eigen::Map<Eigen::Vector2f>(tape.data(places) + 2 * i) = place.cast<float>();
   }
-  const FeaturePyramid before{tape.borrow(from.half), tape.borrow(from.quarter),
-                              tape.borrow(from.eighth), tape.borrow(from.sixteenth)};
+  const FeaturePyramid before = borrow(tape, from.tape, from.features);
   const MatchPrediction prediction =
       network_->forward(tape, before, to.features, places, kind, hint).prediction;
   std::vector<NetworkAnswer> answers;

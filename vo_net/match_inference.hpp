@@ -43,13 +43,6 @@ class MatchInference {
   std::vector<NetworkAnswer> stereo(const std::vector<Eigen::Vector2d>& points);
 
  private:
-  /// The four levels of an image, kept apart from the tape that made them.
-  struct Features {
-    nn::Tensor<float> half;
-    nn::Tensor<float> quarter;
-    nn::Tensor<float> eighth;
-    nn::Tensor<float> sixteenth;
-  };
   /// Where one image is encoded and then matched.
   struct Encoded {
     nn::Tape<float> tape{nn::Mode::kInference};
@@ -57,7 +50,8 @@ class MatchInference {
   };
 
   void encode(const GrayImage& image, Encoded& encoded) const;
-  std::vector<NetworkAnswer> match(const Features& from,
+  void prepare_stereo();
+  std::vector<NetworkAnswer> match(const Encoded& from,
                                    Encoded& to,
                                    const std::vector<Eigen::Vector2d>& points,
                                    MatchKind kind,
@@ -65,10 +59,10 @@ class MatchInference {
 
   std::shared_ptr<MatchNetwork<float>> network_;
   int shrink_;
-  Encoded left_;
-  Encoded right_;
-  Features left_features_;
-  Features features_before_;
+  std::unique_ptr<Encoded> left_before_;
+  std::unique_ptr<Encoded> left_;
+  std::unique_ptr<Encoded> right_;
+  nn::Var stereo_logits_;  ///< on the tape of right_, or none yet
 };
 
 }  // namespace imslam::vo

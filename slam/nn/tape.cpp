@@ -44,9 +44,8 @@ Var Tape<S>::constant(const Shape& shape, const S* numbers) {
 }
 
 template <typename S>
-Var Tape<S>::borrow(const Tensor<S>& numbers) {
-  // Operations only read the numbers; a const pointer would need a second Entry type.
-  return append(numbers.shape(), const_cast<S*>(numbers.data()), false);
+Var Tape<S>::borrow(const Tape& owner, Var v) {
+  return append(owner.entry(v).shape, owner.entry(v).value, false);
 }
 
 template <typename S>
@@ -62,7 +61,8 @@ Var Tape<S>::parameter(const Parameter<S>& parameter) {
       parameters_.begin(), parameters_.end(), &parameter,
       [](const KnownParameter& known, const Parameter<S>* p) { return known.parameter < p; });
   if (at != parameters_.end() && at->parameter == &parameter) return at->var;
-  S* const numbers = const_cast<S*>(parameter.value.data());  // only read, see borrow()
+  // Operations only read the numbers; a const pointer would need a second Entry type.
+  S* const numbers = const_cast<S*>(parameter.value.data());
   const Var v = append(parameter.value.shape(), numbers, parameter.trainable);
   parameters_.insert(at, {&parameter, v});
   return v;
