@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "tests/bench/match_scenes.hpp"
 
@@ -42,7 +44,9 @@ TEST(Conditions, AreTheSameForTheSameSeed) {
     const MatchScene c = spoiled(scene, condition, 3, Random(5));
     EXPECT_EQ(a.views.left1, b.views.left1);
     EXPECT_EQ(a.views.flow_u, b.views.flow_u);
-    EXPECT_NE(a.views.left1, c.views.left1) << condition.name;
+    const std::string name = condition.name;
+    const bool leaves_nothing_to_chance = name == "brighter" || name == "darker";
+    EXPECT_EQ(a.views.left1 == c.views.left1, leaves_nothing_to_chance) << name;
   }
 }
 
@@ -61,7 +65,7 @@ TEST(Conditions, TheExposureStepLeavesTheFirstLeftImageAlone) {
   const MatchScene scene = textured_scene();
   const std::vector<Condition> all = conditions();
   const auto exposure = std::find_if(all.begin(), all.end(), [](const Condition& condition) {
-    return std::string(condition.name) == "exposure";
+    return std::string(condition.name) == "brighter";
   });
   const MatchScene worse = spoiled(scene, *exposure, 3, Random(3));
   EXPECT_LT(mean_change(worse.views.left0, scene.views.left0), 0.5);  // rounding

@@ -35,11 +35,15 @@ struct ShiftedPair {
   std::vector<Eigen::Vector2d> points;
 };
 
-std::filesystem::path untrained_weights(const imslam::testing::TempDir& folder) {
+/// `log_sigma`: what the heads say wherever they look.
+std::filesystem::path untrained_weights(const imslam::testing::TempDir& folder, float log_sigma) {
   Random random(3);
   vo::MatchNetwork<float> network({}, random);
   nn::ParameterList<float> parameters;
   network.collect(parameters);
+  // Outputs: mixing (4), residual (D), log sigma (D), ...; see match_head.cpp.
+  for (const nn::Index i : {6, 7}) network.flow.head.output.bias.value[i] = log_sigma;
+  network.stereo.head.output.bias.value[5] = log_sigma;
   const std::filesystem::path file = folder.path() / "untrained.safetensors";
   nn::save_parameters(file, parameters, {});
   return file;
@@ -72,7 +76,7 @@ TEST(BenchMethods, ClassicalOnesFindAShift) {
 TEST(BenchMethods, TheNetworkReadsItsWeightsAndGivesTwoAnswers) {
   const imslam::testing::TempDir folder;
   const ShiftedPair pair;
-  const auto network = make_network(untrained_weights(folder));
+  const auto network = make_network(untrained_weights(folder, 1.0F));
   for (const MatchKind kind : {MatchKind::kFlow, MatchKind::kStereo}) {
     const std::vector<Answer> answers = network->match(kind, pair.image0, pair.image1, pair.points);
     ASSERT_EQ(answers.size(), 2U);
@@ -90,6 +94,39 @@ TEST(BenchMethods, TheNetworkReadsItsWeightsAndGivesTwoAnswers) {
       EXPECT_GT(raw.uncertainty->scale(0, 0), 0.0);
       EXPECT_LT((raw.displacement - polished.displacement).norm(), 1.5);
     }
+  }
+}
+
+/// Errors where an image is matched with itself, summed over the raw answers that are less than 1
+/// px off, and over the same points polished.
+struct PolishedErrors {
+  int points = 0;
+  double raw = 0.0, polished = 0.0;  ///< [px]
+};
+
+PolishedErrors polished_errors(float log_sigma, MatchKind kind) {
+  const imslam::testing::TempDir folder;
+  const ShiftedPair pair;
+  const auto answers = make_network(untrained_weights(folder, log_sigma))
+                           ->match(kind, pair.image0, pair.image0, pair.points);
+  PolishedErrors errors;
+  for (std::size_t i = 0; i < pair.points.size(); ++i) {
+    const double raw = answers[0].matches[i].displacement.norm();
+    if (raw > 1.0) continue;
+    ++errors.points;
+    errors.raw += raw;
+    errors.polished += answers[1].matches[i].displacement.norm();
+  }
+  return errors;
+}
+
+TEST(BenchMethods, ASureNetworkIsPolishedAnUnsureOneIsNot) {
+  for (const MatchKind kind : {MatchKind::kFlow, MatchKind::kStereo}) {
+    const PolishedErrors sure = polished_errors(-2.0F, kind);
+    EXPECT_GT(sure.points, 5) << kind_name(kind);
+    EXPECT_LT(sure.polished, 0.1 * sure.raw) << kind_name(kind);
+    const PolishedErrors unsure = polished_errors(1.0F, kind);
+    EXPECT_EQ(unsure.polished, unsure.raw) << kind_name(kind);
   }
 }
 

@@ -3,7 +3,8 @@
 //
 //   matching_benchmark [--data FOLDER] [--datasets tartanair,kitti2012,middlebury]
 //                      [--simulated FOLDER]... [--methods klt,dis,sgbm,network] [--weights FILE]
-//                      [--conditions clean,motion_blur,dark,exposure,noise,moving] [--frames N]
+//                      [--conditions clean,motion_blur,dark,brighter,darker,noise,moving] [--frames
+//                      N]
 //                      [--json FILE] [--seed N] [--threads N]
 //
 // FOLDER of --data holds the excerpts described in tools/bench/matching/yardsticks.hpp; those of
@@ -33,7 +34,7 @@ struct Settings {
   fs::path data = testing::test_data();
   Names datasets{"tartanair", "kitti2012", "middlebury"};
   std::vector<fs::path> simulated;
-  Names conditions{"clean", "motion_blur", "dark", "exposure", "noise", "moving"};
+  Names conditions{"clean", "motion_blur", "dark", "brighter", "darker", "noise", "moving"};
   Names methods{"klt", "dis", "sgbm", "network"};
   fs::path weights;
   fs::path json;

@@ -19,8 +19,7 @@ constexpr float kShotNoise = 0.02F;  // [grey levels] variance per grey level
 // Streams of a scene's randomness.
 constexpr std::uint64_t kNoiseStream = 1;
 constexpr std::uint64_t kBlurStream = 2;
-constexpr std::uint64_t kExposureStream = 3;
-constexpr std::uint64_t kPatchStream = 4;
+constexpr std::uint64_t kPatchStream = 3;
 
 void apply(TripletDegradation degradation, const Random& random, MatchScene& scene) {
   Random seeds = random.fork(kNoiseStream);
@@ -59,8 +58,7 @@ void darken(MatchScene& scene, double light, const Random& random) {
 
 void step_exposure(MatchScene& scene, double factor, const Random& random) {
   TripletDegradation d;
-  const bool brighter = random.fork(kExposureStream).chance(0.5);
-  d.right0.gain = d.left1.gain = static_cast<float>(brighter ? factor : 1.0 / factor);
+  d.right0.gain = d.left1.gain = static_cast<float>(factor);
   apply(d, random, scene);
 }
 
@@ -83,7 +81,8 @@ std::vector<Condition> conditions() {
   return {
       {"motion_blur", "px", {4.0, 8.0, 12.0, 16.0, 21.0}, blur},
       {"dark", "of the light", {0.4, 0.25, 0.15, 0.08, 0.04}, darken},
-      {"exposure", "times", {1.25, 1.6, 2.0, 2.5, 4.0}, step_exposure},
+      {"brighter", "times", {1.25, 1.6, 2.0, 2.5, 4.0}, step_exposure},
+      {"darker", "times", {0.8, 0.6, 0.4, 0.25, 0.15}, step_exposure},
       {"noise", "grey levels", {5.0, 10.0, 15.0, 20.0, 30.0}, add_noise},
       {"moving", "patches", {3.0, 6.0, 12.0, 20.0, 30.0}, add_moving},
   };

@@ -22,14 +22,13 @@ struct Condition {
   void (*spoil)(MatchScene& scene, double value, const Random& random);
 };
 
-/// motion_blur  [px] length of a straight smear; its direction is drawn anew for each instant
-/// dark         [share of the light], read noise 2 grey levels, shot noise 0.02 per grey level
-/// exposure     [factor] of right0 and left1 against left0: brighter in one half of the scenes,
-///              darker by it in the other half; what exceeds 255 is lost
-/// noise        [grey levels] sigma, independent in every pixel and image
-/// moving       [patches] of moving_patches.hpp; points on them count, with the patch's
-/// displacement,
-///              points that they cover in the other view are left out
+/// motion_blur       [px] length of a straight smear; its direction is drawn anew for each instant
+/// dark              [share of the light] read noise 2 grey levels, shot noise 0.02 per grey level
+/// brighter, darker  [factor] of right0 and left1 against left0: a step of the exposure; what
+///                   exceeds 255 is lost
+/// noise             [grey levels] sigma, independent in every pixel and image
+/// moving            [patches] of moving_patches.hpp; points on them count, with the displacement
+///                   of the patch; points that they cover in the other view are left out
 std::vector<Condition> conditions();
 
 /// What a scene becomes. Severity 0: the scene as it is.

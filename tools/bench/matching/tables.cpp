@@ -114,7 +114,7 @@ void print_kind(const std::vector<Summary>& summaries, MatchKind kind) {
 void print_checks(const DataSet& data, const std::vector<CheckedKind>& checks) {
   for (const auto& [kind, check] : checks) {
     fmt::print("| {} | {} | {} | {} | {:.1f} | {:.1f} | {:.1f} | {} |\n", data.name,
-               kind_name(kind), data.scenes.size(), check.points, check.truth, check.one_pixel,
+               kind_name(kind), check.scenes, check.points, check.truth, check.one_pixel,
                check.no_motion, check.holds() ? "holds" : "DOUBTFUL");
   }
 }

@@ -9,7 +9,7 @@
 namespace imslam::bench {
 namespace {
 
-constexpr int kStride = 2;  // [px] every pixel of every second row and column
+constexpr int kStride = 2;  // [px] between the pixels that are looked at
 
 /// NaN outside of the image.
 double bilinear(const training::Triplet& t, const std::vector<float>& view, double u, double v) {
@@ -31,9 +31,11 @@ double bilinear(const training::Triplet& t, const std::vector<float>& view, doub
 WarpCheck check_by_warping(const std::vector<MatchScene>& scenes, vo::MatchKind kind) {
   constexpr std::array<std::array<double, 2>, 5> kErrors{
       {{0.0, 0.0}, {1.0, 0.0}, {-1.0, 0.0}, {0.0, 1.0}, {0.0, -1.0}}};
+  WarpCheck check;
   std::array<std::vector<double>, 6> residuals;
   for (const MatchScene& scene : scenes) {
     if (!scene.has(kind)) continue;
+    ++check.scenes;
     const training::Triplet& t = scene.views;
     const std::vector<float>& other = matched_view(scene, kind);
     for (int row = 0; row < t.camera.height; row += kStride) {
@@ -50,7 +52,6 @@ WarpCheck check_by_warping(const std::vector<MatchScene>& scenes, vo::MatchKind 
       }
     }
   }
-  WarpCheck check;
   check.points = residuals[0].size();
   check.truth = median(residuals[0]);
   check.one_pixel = std::min(

@@ -12,6 +12,7 @@ struct WarpCheck {
   double truth = 0.0;      ///< e = 0
   double one_pixel = 0.0;  ///< the least of e = (+-1, 0), (0, +-1)
   double no_motion = 0.0;  ///< d + e = 0
+  int scenes = 0;          ///< that know this kind
   std::size_t points = 0;
 
   /// A wrong sign, unit, channel or offset makes the truth no better than its neighbours.
