@@ -27,8 +27,7 @@ struct Condition {
 /// brighter, darker  [factor] of right0 and left1 against left0: a step of the exposure; what
 ///                   exceeds 255 is lost
 /// noise             [grey levels] sigma, independent in every pixel and image
-/// moving            [patches] of moving_patches.hpp; points on them count, with the displacement
-///                   of the patch; points that they cover in the other view are left out
+/// moving            [patches] of moving_patches.hpp, with corrected truth
 std::vector<Condition> conditions();
 
 /// What a scene becomes. Severity 0: the scene as it is.

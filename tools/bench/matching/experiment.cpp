@@ -20,14 +20,22 @@ struct Queries {
   std::vector<Eigen::Vector2d> truth;  ///< displacements [px]
 };
 
-Queries visible_queries(const MatchScene& scene,
+/// What is visible in the clean scene and still is, with the same displacement.
+Queries visible_queries(const MatchScene& clean,
+                        const MatchScene& scene,
                         MatchKind kind,
                         const std::vector<Eigen::Vector2d>& corners) {
   Queries queries;
   for (const Eigen::Vector2d& corner : corners) {
-    const TrueMatch match =
-        true_match(scene, kind, static_cast<int>(corner.y()), static_cast<int>(corner.x()));
-    if (match.state != training::MatchState::kVisible) continue;
+    const int row = static_cast<int>(corner.y());
+    const int column = static_cast<int>(corner.x());
+    const TrueMatch before = true_match(clean, kind, row, column);
+    const TrueMatch match = true_match(scene, kind, row, column);
+    if (before.state != training::MatchState::kVisible ||
+        match.state != training::MatchState::kVisible || match.du != before.du ||
+        match.dv != before.dv) {
+      continue;
+    }
     queries.points.push_back(corner);
     queries.truth.emplace_back(match.du, match.dv);
   }
@@ -62,7 +70,8 @@ struct Column {
 };
 using Columns = std::vector<Column>;
 
-Columns run(const MatchScene& scene,
+Columns run(const MatchScene& clean,
+            const MatchScene& scene,
             const std::vector<Eigen::Vector2d>& corners,
             const std::vector<std::unique_ptr<Method>>& methods) {
   Columns columns;
@@ -70,7 +79,7 @@ Columns run(const MatchScene& scene,
   for (const MatchKind kind : {MatchKind::kFlow, MatchKind::kStereo}) {
     if (!scene.has(kind)) continue;
     const GrayImage other = gray_image(scene, matched_view(scene, kind));
-    const Queries queries = visible_queries(scene, kind, corners);
+    const Queries queries = visible_queries(clean, scene, kind, corners);
     for (const auto& method : methods) {
       if (method->names(kind).empty()) continue;
       for (const Answer& answer : method->match(kind, left0, other, queries.points)) {
@@ -132,8 +141,9 @@ std::vector<Measurement> measure(const DataSet& data,
     const std::size_t scene = i % scenes;
     const Trial& trial = trials[i / scenes];
     const Random random = Random(seed).fork(scene);
-    columns[i] = run(spoiled(data.scenes[scene], trial.condition, trial.severity, random),
-                     corners[scene], methods);
+    const MatchScene& clean = data.scenes[scene];
+    columns[i] = run(clean, spoiled(clean, trial.condition, trial.severity, random), corners[scene],
+                     methods);
   });
   std::vector<Measurement> measurements;
   for (const MatchKind kind : {MatchKind::kFlow, MatchKind::kStereo}) {

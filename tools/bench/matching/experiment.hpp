@@ -36,8 +36,9 @@ inline constexpr int kQueryBorder = 20;
 /// Corners of the clean left image: so many that the truth of about 600 is known.
 std::vector<Eigen::Vector2d> query_points(const MatchScene& scene);
 
-/// Every method on every trial. The queries are the corners whose truth is known and visible after
-/// the spoiling: the same ones for all methods. In the order kind, trial, method. Scenes run in
+/// Every method on every trial. The queries are the corners that are visible in the clean scene and
+/// still are after the spoiling, with the same displacement (points that a moving patch covers do
+/// not count): the same ones for all methods. In the order kind, trial, method. Scenes run in
 /// parallel; the result does not depend on it.
 std::vector<Measurement> measure(const DataSet& data,
                                  const std::vector<Trial>& trials,

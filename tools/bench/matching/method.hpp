@@ -55,9 +55,9 @@ std::unique_ptr<Method> make_klt();
 /// -distance to where the way back leads.
 std::unique_ptr<Method> make_dis();
 
-/// OpenCV's StereoSGBM, stereo only: blocks of 5 px, disparities 0 to 191 px. Stands by what passes
-/// uniqueness (10 %), left-right check (1 px) and speckle filter; score: -difference of the
-/// disparities that left and right view are given.
+/// OpenCV's StereoSGBM (3-way), stereo only: blocks of 5 px, disparities 0 to 191 px. Stands by
+/// what passes uniqueness (10 %), left-right check (1 px) and speckle filter; score: -difference of
+/// the disparities that left and right view are given.
 std::unique_ptr<Method> make_sgbm();
 
 /// The matching network with default options and the weights of a safetensors file. Two answers:

@@ -109,7 +109,7 @@ class SgbmMethod final : public Method {
     cv::copyMakeBorder(right, wide_right, 0, 0, kDisparities, 0, cv::BORDER_CONSTANT, 0);
     cv::Mat wide;
     cv::StereoSGBM::create(0, kDisparities, kBlock, 8 * kBlock * kBlock, 32 * kBlock * kBlock, 1,
-                           31, 10, 100, 2, cv::StereoSGBM::MODE_SGBM)
+                           31, 10, 100, 2, cv::StereoSGBM::MODE_SGBM_3WAY)
         ->compute(wide_left, wide_right, wide);
     return wide.colRange(kDisparities, wide.cols).clone();
   }

@@ -10,8 +10,8 @@ namespace imslam::bench {
 
 inline constexpr double kConfidentError = 2.0;  ///< [px] what a stated confidence speaks of
 
-/// Does a network know how wrong it is? Over all its answers, but the normalised error over those
-/// that it stands by.
+/// Does a network know how wrong it is? Over all query points, which are visible ones, but the
+/// normalised error over those that it stands by.
 ///
 /// Ideal: normalised_median 1.33 for flow (2-D t distribution with 3 degrees of freedom), 0.77 for
 /// disparity (1-D); stated = right.
