@@ -9,7 +9,7 @@
 namespace imslam::evaluation {
 namespace {
 
-constexpr double kSameTime = 1e-3;                // [s]
+constexpr double kSameTime = 1e-3;                 // [s]
 constexpr double kChiSquare6Quantile95 = 12.5916;  // of 6 degrees of freedom
 
 std::optional<lie::SE3d> truth_at(const PosePath& truth, std::int64_t time_ns) {
@@ -56,8 +56,7 @@ std::optional<MotionConsistency> motion_consistency(const std::vector<RelativeMo
         (motion.T_body0_body1.inverse() * T_body0_body1).log();
     whole.push_back(squared_norm(motion.covariance, error));
     translation.push_back(squared_norm(motion.covariance.topLeftCorner<3, 3>(), error.head<3>()));
-    rotation.push_back(
-        squared_norm(motion.covariance.bottomRightCorner<3, 3>(), error.tail<3>()));
+    rotation.push_back(squared_norm(motion.covariance.bottomRightCorner<3, 3>(), error.tail<3>()));
   }
   if (whole.empty()) return std::nullopt;
   MotionConsistency result;

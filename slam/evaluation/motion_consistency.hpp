@@ -12,9 +12,9 @@ namespace imslam::evaluation {
 
 /// Whether the stated covariances of motions fit to their errors. NEES = e^T C^-1 e.
 struct MotionConsistency {
-  std::size_t motions = 0;     ///< that truth is known for
-  double nees_mean = 0.0;      ///< 6 is right; more: overconfident
-  double nees_median = 0.0;    ///< 5.35 is right; a few gross errors do not matter
+  std::size_t motions = 0;             ///< that truth is known for
+  double nees_mean = 0.0;              ///< 6 is right; more: overconfident
+  double nees_median = 0.0;            ///< 5.35 is right; a few gross errors do not matter
   double nees_translation_mean = 0.0;  ///< 3 is right
   double nees_rotation_mean = 0.0;     ///< 3 is right
   double share_inside = 0.0;  ///< NEES below the 95 % quantile of chi-square: 0.95 is right

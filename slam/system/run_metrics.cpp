@@ -30,6 +30,15 @@ Json error_block(const evaluation::Evaluation& e) {
   return block;
 }
 
+Json consistency_block(const evaluation::MotionConsistency& c) {
+  return {{"motions", c.motions},
+          {"nees_mean", number(c.nees_mean)},
+          {"nees_median", number(c.nees_median)},
+          {"nees_translation_mean", number(c.nees_translation_mean)},
+          {"nees_rotation_mean", number(c.nees_rotation_mean)},
+          {"share_inside_95", number(c.share_inside)}};
+}
+
 Json vector3(const Eigen::Vector3d& v) { return {number(v.x()), number(v.y()), number(v.z())}; }
 
 Json calibration_block(const SlamResult& result) {
@@ -171,6 +180,9 @@ Json metrics_json(const SlamResult& result,
       {"warnings", result.warnings}};
   if (evaluation) {
     metrics["vo"] = error_block(evaluation->vo);
+    if (evaluation->vo_consistency) {
+      metrics["vo"]["consistency"] = consistency_block(*evaluation->vo_consistency);
+    }
     metrics["graph"] = error_block(evaluation->graph);
     if (evaluation->online) metrics["online"] = error_block(*evaluation->online);
     for (const std::string& warning : evaluation->graph.warnings) {
