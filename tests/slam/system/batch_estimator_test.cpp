@@ -123,6 +123,9 @@ TEST(EstimateBatch, TheGyroTellsHowFarTheFocalLengthIsOff) {
   const auto estimate = estimate_batch(measurements, {}, {});
   ASSERT_TRUE(estimate.focal_error.has_value());
   EXPECT_NEAR(estimate.focal_error->value, 0.02, 0.002);
+  ASSERT_TRUE(estimate.focal_error->sigma.has_value());
+  EXPECT_LT(*estimate.focal_error->sigma, 0.5 * SlamOptions().system.focal_error_prior);
+  EXPECT_NEAR(estimate.focal_error->value, 0.02, 4.0 * *estimate.focal_error->sigma);
 }
 
 TEST(EstimateBatch, ThePublishedPresetSolvesWindowByWindow) {
