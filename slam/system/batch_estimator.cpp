@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "imu_net/static_detector.hpp"
 #include "pgo/paper_window.hpp"
@@ -254,7 +255,13 @@ class BatchEstimator {
 BatchEstimate estimate_batch(const Measurements& measurements,
                              const Estimate& disparity_offset,
                              const SlamOptions& options) {
-  return BatchEstimator(measurements, disparity_offset, options).estimate();
+  BatchEstimate estimate = BatchEstimator(measurements, disparity_offset, options).estimate();
+  const auto kept = without_conflicts(measurements, estimate.conflict);
+  if (!kept) return estimate;
+  BatchEstimate gated = BatchEstimator(*kept, disparity_offset, options).estimate();
+  if (!gated.inertial) return estimate;  // what is left does not start the IMU
+  gated.conflict = std::move(estimate.conflict);
+  return gated;
 }
 
 }  // namespace imslam::system
