@@ -19,6 +19,7 @@ struct PoseLayerOptions {
   double min_noise_scale = 0.25;  ///< [1] ratio of true to stated standard deviation, at least
   double max_noise_scale = 8.0;   ///< [1] beyond it the points have no motion in common
   int start_iterations = 12;      ///< with a kernel that narrows as the residuals fall
+  double consensus_share = 0.6;   ///< [1] fewer inliers: a motion is looked for by sampling, too
   int max_iterations = 30;        ///< after the start
   double tolerance = 1e-6;        ///< last step [standard deviations of the pose]
   double inlier_threshold = 4.0;  ///< [standard deviations]

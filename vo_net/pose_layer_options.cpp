@@ -14,6 +14,8 @@ void PoseLayerOptions::describe(Config& config) {
   config.field("max_noise_scale", max_noise_scale,
                "beyond this scale the points have no motion in common [1]");
   config.field("start_iterations", start_iterations, "iterations with a narrowing kernel");
+  config.field("consensus_share", consensus_share,
+               "a smaller share of inliers: motions of random samples are tried too [1]; 0: never");
   config.field("max_iterations", max_iterations, "iterations after the start");
   config.field("tolerance", tolerance, "last step [standard deviations of the pose]");
   config.field("inlier_threshold", inlier_threshold, "[standard deviations]");
@@ -27,6 +29,8 @@ void PoseLayerOptions::describe(Config& config) {
 void PoseLayerOptions::validate() const {
   require(kernel_width > 0.0, "vo.pose.kernel_width", kernel_width, "> 0");
   require(min_noise_scale > 0.0, "vo.pose.min_noise_scale", min_noise_scale, "> 0");
+  require(consensus_share >= 0.0 && consensus_share <= 1.0, "vo.pose.consensus_share",
+          consensus_share, "0 .. 1");
   require(max_noise_scale >= min_noise_scale, "vo.pose.max_noise_scale", max_noise_scale,
           ">= vo.pose.min_noise_scale");
   require(start_iterations >= 1, "vo.pose.start_iterations", start_iterations, ">= 1");
