@@ -10,11 +10,12 @@
 namespace imslam::vo::detail {
 namespace {
 
-constexpr std::size_t kSampleSize = 4;  // 3 would do without noise
-constexpr int kSamples = 96;            // 4 good ones of 100 points in 25 good ones: 9 in 10 times
+constexpr std::size_t kSampleSize = 3;
+constexpr int kMostSamples = 400;
+constexpr double kMissed = 0.01;  // probability that no sample lay within the largest group
 constexpr int kIterations = 6;
 constexpr double kDamping = 1e-6;
-constexpr std::size_t kScoredPoints = 250;  // at most, evenly taken
+constexpr std::size_t kScoredPoints = 200;  // at most, evenly taken
 
 struct Some {
   Correspondences correspondences;
@@ -76,6 +77,12 @@ Score score_of(const Problem& problem, const Estimate& estimate, double limit) {
   return score;
 }
 
+/// How many samples it takes if `share` of the points belong together.
+double samples_needed(double share) {
+  const double all_good = std::pow(share, kSampleSize);
+  return all_good < 1.0 ? std::log(kMissed) / std::log1p(-all_good) : 1.0;
+}
+
 std::vector<std::size_t> every_nth(const std::vector<std::size_t>& all, std::size_t most) {
   const std::size_t step = (all.size() + most - 1) / most;
   std::vector<std::size_t> some;
@@ -99,7 +106,7 @@ std::optional<Consensus> find_consensus(const Problem& problem,
   Random random(1);
   std::optional<Consensus> best;
   double least = 0.0;
-  for (int i = 0; i < kSamples; ++i) {
+  for (int i = 0; i < kMostSamples && !(best && i > samples_needed(best->share)); ++i) {
     std::vector<std::size_t> sample;
     while (sample.size() < kSampleSize) {
       const auto pick = random.integer(0, static_cast<std::int64_t>(usable.size()) - 1);

@@ -15,7 +15,7 @@ struct Consensus {
 /// The motion with the most points behind it, found from small random samples: for scenes where
 /// most of what is seen moves by itself, so that a descent from all points goes astray.
 ///
-///   4 points  --Gauss-Newton from `start`-->  a motion  --all points-->  sum min(s, limit)
+///   3 points  --Gauss-Newton from `start`-->  a motion  --all points-->  sum min(s, limit)
 ///
 /// s as in the pose layer, disparities eliminated; `limit` is that of points which belong to the
 /// motion. The samples are the same in every call. Empty if no sample gives a motion. Source of the
