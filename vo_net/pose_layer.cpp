@@ -25,6 +25,7 @@ using detail::Spread;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
+constexpr double kLeastConsensus = 0.3;       // of the points: fewer may agree by chance
 constexpr double kConsensusNoiseScale = 2.0;  // informations are off by that much at most, there
 
 void fill_calibration(const ReducedSystem& exact, double factor, PoseLayerResult& result) {
@@ -101,7 +102,7 @@ std::optional<Solver> solve_by_consensus(const Problem& problem,
                                          const Estimate& start,
                                          double limit) {
   const auto consensus = detail::find_consensus(problem, start, limit);
-  if (!consensus || !(consensus->share > 0.0)) return std::nullopt;
+  if (!consensus || !(consensus->share > kLeastConsensus)) return std::nullopt;
   std::optional<Solver> solver(std::in_place, problem, options, consensus->estimate,
                                std::min(1.0, consensus->share));
   if (!solver->solve()) return std::nullopt;
