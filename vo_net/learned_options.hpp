@@ -8,7 +8,7 @@ namespace imslam::vo {
 
 struct LearnedMatcherOptions {
   std::string weights;          ///< file; empty: the network that the program was shipped with
-  int max_points = 600;         ///< about; at most one point per cell of a grid
+  int max_points = 900;         ///< about; at most one point per cell of a grid
   double min_confidence = 0.5;  ///< [1] that a match is right; less is none
   int max_width = 640;          ///< [px] wider images are shrunk to it before the network sees them
   double min_contrast = 0.5;    ///< [grey levels] around a point: less shows nothing
