@@ -30,7 +30,7 @@ void PretrainVoOptions::validate() const {
   require_within("train.steps", steps, 1, 1e8);
   require_within("train.batch", batch, 1, 1024);
   require_within("train.rate", rate, 0.0, 1.0);
-  require_within("train.warm_up", warm_up, 0, 1e6);
+  require_within("train.warm_up", warm_up, 0, steps);
   require_within("train.weight_decay", weight_decay, 0.0, 1.0);
   require_within("train.clip", clip, 1e-6, 1e6);
   require_within("train.average", average, 0.0, 0.99999);
