@@ -32,6 +32,7 @@ constexpr const char* kExamples =
     "  imslam run MH_01_easy --out runs/mh01         a EuRoC folder\n"
     "  imslam run sequences/00 --frames 0:500        part of a KITTI sequence\n"
     "  imslam run MH_01_easy --imu off               vision only\n"
+    "  imslam run MH_01_easy --front-end learned     matching by the trained network\n"
     "  imslam run MH_01_easy --config paper_euroc    the published method's graph\n"
     "  imslam run MH_01_easy --set pgo.huber=3 --json";
 
@@ -152,7 +153,7 @@ void add_run_command(CLI::App& app, Action& action, const CommonOptions& common)
                       "Folder of the sequence; none: the built-in simulated one");
   command->add_option("--format", arguments->format, "auto or one of the known formats")
       ->capture_default_str();
-  command->add_option("--front-end", arguments->front_end, "klt");
+  command->add_option("--front-end", arguments->front_end, "klt or learned");
   command->add_option("--imu", arguments->imu, "raw or off");
   command->add_option("--out", arguments->out, "Run folder (default: runs/<time>_<dataset>)");
   command->add_option("--runs", arguments->runs, "Where run folders go")->capture_default_str();

@@ -41,13 +41,17 @@ nn::Var CoarseMatcher<S>::logits(nn::Tape<S>& tape,
 }
 
 template <typename S>
-LevelMatch CoarseMatcher<S>::forward(
-    nn::Tape<S>& tape, nn::Var f0, nn::Var f1, nn::Var points, const CellShift& shift) {
+LevelMatch CoarseMatcher<S>::forward(nn::Tape<S>& tape,
+                                     nn::Var f0,
+                                     nn::Var f1,
+                                     nn::Var points,
+                                     const CellShift& shift,
+                                     nn::Var dense) {
   LevelMatch match;
   match.stride = kStride;
   match.window = {window.x_min + shift.x, window.x_max + shift.x, window.y_min + shift.y,
                   window.y_max + shift.y, window.step};
-  const nn::Var dense = logits(tape, f0, f1, match.window);
+  if (!dense) dense = logits(tape, f0, f1, match.window);
   const nn::Var places = scale(tape, points, 1.0 / kStride);
   match.logits = bilinear_sample(tape, dense, places, nn::Border::kClamp);
   match.origin = tape.make(tape.shape(points));

@@ -30,9 +30,14 @@ struct CoarseMatcher {
   CoarseMatcher() = default;
   CoarseMatcher(const MatchNetworkOptions& options, MatchKind kind, Random& random);
 
-  /// f0, f1 [N,h,w,C] unit features at 1/16, points [N,P,2] (x, y) [px of image 0]
-  LevelMatch forward(
-      nn::Tape<S>& tape, nn::Var f0, nn::Var f1, nn::Var points, const CellShift& shift);
+  /// f0, f1 [N,h,w,C] unit features at 1/16, points [N,P,2] (x, y) [px of image 0]; `dense`: what
+  /// logits() said for this shift, or none
+  LevelMatch forward(nn::Tape<S>& tape,
+                     nn::Var f0,
+                     nn::Var f1,
+                     nn::Var points,
+                     const CellShift& shift,
+                     nn::Var dense = {});
   /// The same for all cells [N,h,w,K].
   nn::Var logits(nn::Tape<S>& tape, nn::Var f0, nn::Var f1, const nn::Window& shifted);
 

@@ -1,7 +1,6 @@
 #include "vo_net/conv_block.hpp"
 
 #include "slam/nn/ops/activation.hpp"
-#include "slam/nn/ops/arithmetic.hpp"
 
 namespace imslam::vo {
 namespace {
@@ -50,7 +49,7 @@ void ConvBlock<S>::fold() {
 
 template <typename S>
 nn::Var ResidualBlock<S>::forward(nn::Tape<S>& tape, nn::Var x) {
-  return relu(tape, add(tape, x, block.forward(tape, x)));
+  return add_relu(tape, x, block.forward(tape, x));
 }
 
 template struct ConvBlock<float>;

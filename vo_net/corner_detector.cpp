@@ -1,5 +1,6 @@
 #include "vo_net/corner_detector.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
@@ -20,6 +21,10 @@ struct Grid {
     return static_cast<std::size_t>(r * columns + c);
   }
   std::size_t cells() const { return static_cast<std::size_t>(rows * columns); }
+  Eigen::Vector2d centre(std::size_t cell) const {
+    const auto index = static_cast<int>(cell);
+    return side * Eigen::Vector2d(index % columns + 0.5, index / columns + 0.5);
+  }
 
   double side;
   int columns;
@@ -63,8 +68,13 @@ std::vector<Eigen::Vector2d> detect_corners(const ImagePyramid& image,
     }
   }
   std::vector<Eigen::Vector2d> corners;
-  for (const Eigen::Vector2d& p : where) {
-    if (p.x() >= 0.0) corners.push_back(p);
+  const Eigen::AlignedBox2d allowed(
+      Eigen::Vector2d::Constant(options.margin),
+      Eigen::Vector2d(full.width - 1 - options.margin, full.height - 1 - options.margin));
+  for (std::size_t cell = 0; cell < grid.cells(); ++cell) {
+    if (where[cell].x() >= 0.0) corners.push_back(where[cell]);
+    if (where[cell].x() >= 0.0 || !options.fill_cells || is_taken[cell] != 0) continue;
+    if (allowed.contains(grid.centre(cell))) corners.push_back(grid.centre(cell));
   }
   return corners;
 }

@@ -12,6 +12,7 @@ struct CornerOptions {
   int block = 5;             ///< [px at half size] side of the structure tensor's window
   double min_quality = 0.0;  ///< [grey^2/px^2] smallest eigenvalue that counts
   int margin = 12;           ///< [px] from the image border
+  bool fill_cells = false;   ///< a cell without a corner gives its centre
 };
 
 /// Picks the best corner (smaller eigenvalue of the structure tensor) of every cell of a regular

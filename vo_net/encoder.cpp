@@ -1,7 +1,7 @@
 #include "vo_net/encoder.hpp"
 
-#include "slam/nn/ops/arithmetic.hpp"
 #include "slam/nn/ops/layout.hpp"
+#include "slam/nn/ops/normalise.hpp"
 #include "slam/nn/ops/resize.hpp"
 
 namespace imslam::vo {
@@ -18,9 +18,7 @@ nn::Var top_down(nn::Tape<S>& tape,
                  nn::Var fine,
                  nn::Var coarse,
                  const nn::Conv2d<S>& channels_to_fine) {
-  const nn::Shape shape = tape.shape(fine);
-  const nn::Var context = channels_to_fine.forward(tape, coarse);
-  return add(tape, fine, upsample2_aligned(tape, context, shape[1], shape[2]));
+  return add_upsampled2(tape, fine, channels_to_fine.forward(tape, coarse));
 }
 
 }  // namespace

@@ -6,40 +6,15 @@
 #include <utility>
 
 #include "slam/base/error.hpp"
-#include "slam/base/parallel.hpp"
 #include "vo_net/corner_detector.hpp"
 #include "vo_net/patch_aligner.hpp"
 #include "vo_net/stereo_matcher.hpp"
+#include "vo_net/track.hpp"
 
 namespace imslam::vo {
 namespace {
 
-constexpr std::size_t kChunk = 32;            // points per parallel task
-constexpr double kMinSurvivors = 0.3;         // fewer: the prediction may have been wrong
-constexpr double kMinPredictDisparity = 0.1;  // [px] nearer infinity only the rotation counts
-
-/// A point that lives in the newest frame.
-struct Track {
-  std::int64_t id = 0;
-  Eigen::Vector2d left = Eigen::Vector2d::Zero();
-  Disparity disparity;
-};
-
-template <typename Body>
-void parallel_chunks(std::size_t count, const Body& body) {
-  parallel_for((count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    const std::size_t end = std::min(count, (chunk + 1) * kChunk);
-    for (std::size_t i = chunk * kChunk; i < end; ++i) body(i);
-  });
-}
-
-/// [u v disparity] after the motion; the point itself where it would be behind the camera.
-Eigen::Vector3d predict(const StereoCamera& camera, const Track& track, const lie::SE3d& T_1_0) {
-  const double d = std::max(track.disparity.value, kMinPredictDisparity);
-  const Eigen::Vector3d uvd(track.left.x(), track.left.y(), d);
-  const Eigen::Vector3d p = T_1_0 * camera.back_project(uvd);
-  return p.z() > 0.1 ? camera.project(p) : uvd;
-}
+constexpr double kMinSurvivors = 0.3;  // fewer: the prediction may have been wrong
 
 }  // namespace
 
@@ -53,7 +28,7 @@ class KltMatcher::State {
   }
 
   MatchResult match(const StereoFrame& frame, const lie::SE3d& T_left0_left1);
-  void drop(const std::vector<std::int64_t>& ids);
+  void drop(const std::vector<std::int64_t>& ids) { erase_tracks(tracks_, ids); }
   void forget_newest();
 
   KltOptions options;
@@ -78,12 +53,6 @@ class KltMatcher::State {
                                        const Eigen::Vector2d& center,
                                        const Eigen::Vector2d& start,
                                        int level) const;
-  Correspondence correspondence(const Track& before,
-                                const Alignment& left1,
-                                const Disparity& disparity1) const;
-  double information(double variance) const {
-    return 1.0 / (variance + options.sigma_floor * options.sigma_floor);
-  }
   void add_corners();
   void match_previous(const lie::SE3d& T_left0_left1, FrameMatch& match);
   void match_keyframe(MatchResult& result);
@@ -114,24 +83,6 @@ std::optional<Alignment> KltMatcher::State::follow_left(const ImagePyramid& from
   return forth;
 }
 
-Correspondence KltMatcher::State::correspondence(const Track& before,
-                                                 const Alignment& left1,
-                                                 const Disparity& disparity1) const {
-  Correspondence c;
-  c.left0 = before.left;
-  c.left1 = left1.position;
-  c.disparity0 = before.disparity.value;
-  c.disparity1 = disparity1.value;
-  const double floor = options.sigma_floor * options.sigma_floor;
-  const Eigen::Matrix2d covariance = left1.covariance + floor * Eigen::Matrix2d::Identity();
-  const Eigen::Matrix2d information = covariance.inverse();
-  c.flow_information = 0.5 * (information + information.transpose());
-  c.disparity0_information = this->information(before.disparity.variance);
-  c.disparity1_information = this->information(disparity1.variance);
-  c.track_id = before.id;
-  return c;
-}
-
 KltMatcher::State::Followed KltMatcher::State::follow(const Track& track,
                                                       const lie::SE3d& T_left1_left0) const {
   Followed followed;
@@ -142,15 +93,16 @@ KltMatcher::State::Followed KltMatcher::State::follow(const Track& track,
   const StereoMatcher stereo(options, left_, right_);
   const std::optional<Disparity> disparity1 = stereo.refine(left1->position, expected.z());
   if (!disparity1) return followed;
-  followed.match = correspondence(track, *left1, *disparity1);
   followed.track = {track.id, left1->position, *disparity1};
+  followed.match = make_correspondence(track, {left1->position, left1->covariance}, followed.track,
+                                       options.sigma_floor);
   return followed;
 }
 
 std::vector<KltMatcher::State::Followed> KltMatcher::State::follow_all(
     const lie::SE3d& T_left1_left0) {
   std::vector<Followed> followed(tracks_.size());
-  parallel_chunks(tracks_.size(),
+  parallel_points(tracks_.size(),
                   [&](std::size_t i) { followed[i] = follow(tracks_[i], T_left1_left0); });
   return followed;
 }
@@ -166,7 +118,7 @@ void KltMatcher::State::add_corners() {
 
   const StereoMatcher stereo(options, left_, right_);
   std::vector<std::optional<Disparity>> disparities(corners.size());
-  parallel_chunks(corners.size(),
+  parallel_points(corners.size(),
                   [&](std::size_t i) { disparities[i] = stereo.search(corners[i]); });
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (disparities[i]) tracks_.push_back({next_id_++, corners[i], *disparities[i]});
@@ -181,12 +133,13 @@ void KltMatcher::State::match_keyframe(MatchResult& result) {
     if (old != keyframe_.tracks.end() && old->id == track.id) pairs.emplace_back(&*old, &track);
   }
   std::vector<std::optional<Correspondence>> found(pairs.size());
-  parallel_chunks(pairs.size(), [&](std::size_t i) {
+  parallel_points(pairs.size(), [&](std::size_t i) {
     const auto [before, now] = pairs[i];
     const std::optional<Alignment> left1 = follow_left(keyframe_.left, before->left, now->left, 0);
     // The disparity belongs to where the chain of small steps ended, a fraction of a pixel away.
     if (left1 && (left1->position - now->left).norm() < 1.0) {
-      found[i] = correspondence(*before, *left1, now->disparity);
+      found[i] = make_correspondence(*before, {left1->position, left1->covariance}, *now,
+                                     options.sigma_floor);
     }
   });
   FrameMatch match;
@@ -246,22 +199,10 @@ MatchResult KltMatcher::State::match(const StereoFrame& frame, const lie::SE3d& 
   if (options.keyframe_age > 0) tend_keyframe(frame.time_ns, result);
   add_corners();
   for (const Track& track : tracks_) {
-    result.points.push_back({track.left, track.disparity.value,
-                             information(track.disparity.variance), track.disparity.row_error,
-                             track.id});
+    result.points.push_back(make_stereo_point(track, options.sigma_floor));
   }
   ++frames_;
   return result;
-}
-
-void KltMatcher::State::drop(const std::vector<std::int64_t>& ids) {
-  std::vector<std::int64_t> sorted = ids;
-  std::sort(sorted.begin(), sorted.end());
-  tracks_.erase(std::remove_if(tracks_.begin(), tracks_.end(),
-                               [&](const Track& track) {
-                                 return std::binary_search(sorted.begin(), sorted.end(), track.id);
-                               }),
-                tracks_.end());
 }
 
 void KltMatcher::State::forget_newest() {

@@ -51,7 +51,8 @@ NetworkMatch MatchBranch<S>::forward(nn::Tape<S>& tape,
                                      const MatchHint& hint) {
   NetworkMatch result;
   LevelMatch& first = result.levels[0];
-  first = coarse.forward(tape, features0.sixteenth, features1.sixteenth, points, cells_of(hint));
+  first = coarse.forward(tape, features0.sixteenth, features1.sixteenth, points, cells_of(hint),
+                         hint.coarse_logits);
   if (kind == MatchKind::kStereo) keep_to_row(tape, first);
   const std::array<Var, kFineLevels> f0{features0.eighth, features0.quarter, features0.half};
   const std::array<Var, kFineLevels> f1{features1.eighth, features1.quarter, features1.half};
@@ -101,6 +102,15 @@ NetworkMatch MatchNetwork<S>::forward(nn::Tape<S>& tape,
   expects(tape.array(points).isFinite().all(), "MatchNetwork::forward: points must be finite");
   MatchBranch<S>& branch = kind == MatchKind::kFlow ? flow : stereo;
   return branch.forward(tape, features0, features1, points, hint);
+}
+
+template <typename S>
+Var MatchNetwork<S>::coarse_logits(nn::Tape<S>& tape,
+                                   const FeaturePyramid& features0,
+                                   const FeaturePyramid& features1,
+                                   MatchKind kind) {
+  CoarseMatcher<S>& coarse = kind == MatchKind::kFlow ? flow.coarse : stereo.coarse;
+  return coarse.logits(tape, features0.sixteenth, features1.sixteenth, coarse.window);
 }
 
 template <typename S>

@@ -18,6 +18,8 @@ struct MatchHint {
   /// Where the fine windows stand instead of on the answer of the level before: [N,P,2]
   /// displacements [px] or none. Teacher forcing gives the truth and some noise.
   nn::Var guess;
+  /// What MatchNetwork::coarse_logits() made of the same features, or none: it is made then.
+  nn::Var coarse_logits;
 };
 
 struct NetworkMatch {
@@ -69,6 +71,12 @@ struct MatchNetwork {
                        nn::Var points,
                        MatchKind kind,
                        const MatchHint& hint = {});
+
+  /// The part of the matching that does not depend on the points, for a hint of (0, 0).
+  nn::Var coarse_logits(nn::Tape<S>& tape,
+                        const FeaturePyramid& features0,
+                        const FeaturePyramid& features1,
+                        MatchKind kind);
 
   /// All parameters: "encoder.half.conv.weight", "flow.coarse.sharpness", "stereo.head.first.bias".
   void collect(nn::ParameterList<S>& list, const std::string& prefix = "");

@@ -5,14 +5,9 @@
 
 #include "vo_net/klt_matcher.hpp"
 #include "vo_net/patch_aligner.hpp"
+#include "vo_net/track.hpp"
 
 namespace imslam::vo {
-
-struct Disparity {
-  double value = 0.0;      ///< [px]
-  double variance = 1.0;   ///< [px^2]
-  double row_error = 0.0;  ///< [px] v_right - v_left, 0 for perfect rectification
-};
 
 /// Finds points of the left image in the right one of a rectified pair.
 class StereoMatcher {

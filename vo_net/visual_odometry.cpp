@@ -39,6 +39,7 @@ std::vector<std::int64_t> outlier_tracks(const Correspondences& correspondences,
 
 void VoOptions::describe(Config& config) {
   config.section("klt", klt);
+  config.section("learned", learned);
   config.section("pose", pose);
   config.section("offset", offset);
   config.field("shared_error", shared_error,
@@ -47,6 +48,7 @@ void VoOptions::describe(Config& config) {
 
 void VoOptions::validate() const {
   klt.validate();
+  learned.validate();
   pose.validate();
   offset.validate();
   require(shared_error >= 0.0 && shared_error <= 1.0, "vo.shared_error", shared_error, "0 .. 1");

@@ -12,6 +12,7 @@
 #include "slam/sensors/stereo.hpp"
 #include "vo_net/disparity_offset.hpp"
 #include "vo_net/klt_matcher.hpp"
+#include "vo_net/learned_options.hpp"
 #include "vo_net/matcher.hpp"
 #include "vo_net/pose_layer.hpp"
 
@@ -19,6 +20,7 @@ namespace imslam::vo {
 
 struct VoOptions {
   KltOptions klt;
+  LearnedMatcherOptions learned;
   PoseLayerOptions pose;
   DisparityOffsetOptions offset;
   /// [1] share of the matching variance that all points have in common (lens model, blur): it does

@@ -44,6 +44,11 @@ Var Tape<S>::constant(const Shape& shape, const S* numbers) {
 }
 
 template <typename S>
+Var Tape<S>::borrow(const Tape& owner, Var v) {
+  return append(owner.entry(v).shape, owner.entry(v).value, false);
+}
+
+template <typename S>
 Var Tape<S>::input(const Tensor<S>& numbers) {
   const Var v = constant(numbers);
   entry(v).tracked = training();

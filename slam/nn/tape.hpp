@@ -44,9 +44,11 @@ class Tape {
   /// Forgets all values and gradients, keeps the memory.
   void reset();
 
-  // Leaves. Numbers are copied, except those of parameters.
+  // Leaves. Numbers are copied, except those of parameters and borrowed ones.
   Var constant(const Shape& shape, const S* numbers);
   Var constant(const Tensor<S>& numbers) { return constant(numbers.shape(), numbers.data()); }
+  /// A value of another tape that stays where it is, as a constant: valid until that is reset.
+  Var borrow(const Tape& owner, Var v);
   Var input(const Tensor<S>& numbers);  ///< a constant whose gradient is wanted
   Var parameter(const Parameter<S>& parameter);
 

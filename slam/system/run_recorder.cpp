@@ -49,7 +49,26 @@ void write_trajectories(const fs::path& folder,
   }
 }
 
-nlohmann::json manifest_json(const RunProvenance& provenance) {
+nlohmann::json models_json(const std::vector<ModelRecord>& models) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const ModelRecord& model : models) {
+    const nn::ModelCard& card = model.card;
+    list.push_back({{"name", model.name},
+                    {"file", model.file},
+                    {"sha256", card.sha256},
+                    {"what", card.what},
+                    {"data", card.data},
+                    {"command", card.command},
+                    {"seed", card.seed},
+                    {"metrics", card.metrics},
+                    {"limits", card.limits},
+                    {"parent", card.parent}});
+  }
+  return list;
+}
+
+nlohmann::json manifest_json(const RunProvenance& provenance,
+                             const std::vector<ModelRecord>& models) {
   nlohmann::json inputs = nlohmann::json::array();
   for (const fs::path& file : provenance.input_files) {
     inputs.push_back({{"file", file.string()}, {"sha256", sha256_of_file(file)}});
@@ -62,7 +81,7 @@ nlohmann::json manifest_json(const RunProvenance& provenance) {
           {"threads", thread_count()},
           {"libraries", library_versions()},
           {"config_sha256", sha256(provenance.config_yaml)},
-          {"models", nlohmann::json::array()},
+          {"models", models_json(models)},
           {"inputs", inputs}};
 }
 
@@ -87,7 +106,7 @@ void record_run(const fs::path& folder,
   write_file_atomic(folder / "config.yaml", provenance.config_yaml);
   write_json(folder / "metrics.json", metrics_json(result, summary, evaluation), 2);
   write_json(folder / "series.json", series_json(result, evaluation), -1);
-  write_json(folder / "manifest.json", manifest_json(provenance), 2);
+  write_json(folder / "manifest.json", manifest_json(provenance, result.models), 2);
   report::write_report(folder);
 }
 

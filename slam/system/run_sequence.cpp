@@ -8,6 +8,7 @@
 #include "datasets/frame_reader.hpp"
 #include "slam/base/error.hpp"
 #include "slam/base/log.hpp"
+#include "slam/system/front_end.hpp"
 #include "slam/system/slam_system.hpp"
 
 namespace imslam::system {
@@ -97,6 +98,7 @@ void check_request(const datasets::Sequence& sequence,
                    const RunRequest& request) {
   const FrameRange range = frame_range(sequence, request);
   if (options.system.imu != "off" && sequence.imu()) expect_imu_covers_frames(sequence, range);
+  make_front_end(options, sequence.camera());  // throws if there are no weights
 }
 
 RunOutcome run_sequence(datasets::Sequence& sequence,

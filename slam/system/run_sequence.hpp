@@ -28,7 +28,8 @@ struct RunOutcome {
 };
 
 /// Throws InputError(kUsage) if the frames do not exist, InputError(kData) if the sequence is
-/// shorter than two frames or its IMU covers none of them: what can be said before any output.
+/// shorter than two frames or its IMU covers none of them, InputError(kModel) if the front end
+/// lacks its weights: what can be said before any output.
 void check_request(const datasets::Sequence& sequence,
                    const SlamOptions& options,
                    const RunRequest& request);

@@ -17,7 +17,7 @@ void require(bool good, const char* key, double value, const char* bound) {
 }  // namespace
 
 void SystemOptions::describe(Config& config) {
-  config.field("front_end", front_end, {"klt"}, "which matcher sees");
+  config.field("front_end", front_end, {"klt", "learned"}, "which matcher sees");
   config.field("imu", imu, {"raw", "off"}, "which inertial measurements take part");
   config.field("preset", preset, {"default", "paper"}, "which graph");
   config.field("paper_weights", paper_weights, {"euroc", "kitti"}, "constants of preset paper");

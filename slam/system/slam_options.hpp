@@ -18,7 +18,7 @@ namespace imslam::system {
 
 /// How the rooms play together.
 struct SystemOptions {
-  std::string front_end = "klt";        ///< which matcher sees: klt
+  std::string front_end = "klt";        ///< which matcher sees: klt, learned
   std::string imu = "raw";              ///< which inertial measurements take part: raw, off
   std::string preset = "default";       ///< which graph: default, paper (the published method's)
   std::string paper_weights = "euroc";  ///< constants of the paper preset: euroc, kitti

@@ -9,6 +9,7 @@
 #include "pgo/graph_data.hpp"
 #include "slam/base/solve_report.hpp"
 #include "slam/sensors/trajectory.hpp"
+#include "slam/system/front_end.hpp"
 #include "slam/system/map_builder.hpp"
 #include "slam/system/stage_timer.hpp"
 
@@ -63,6 +64,7 @@ struct SlamResult {
   FrameSeries series;
   StageTimer timing;
   MapBuilder map;
+  std::vector<ModelRecord> models;  ///< that took part
   std::vector<std::string> warnings;
 };
 

@@ -7,6 +7,7 @@
 #include "slam/base/error.hpp"
 #include "slam/system/batch_estimator.hpp"
 #include "slam/system/calibration_doubts.hpp"
+#include "slam/system/front_end.hpp"
 #include "slam/system/map_sampler.hpp"
 #include "slam/system/measurements.hpp"
 #include "slam/system/online_estimator.hpp"
@@ -20,13 +21,15 @@ class SlamSystem::State {
  public:
   State(const SlamOptions& options,
         const StereoCamera& camera,
-        const std::optional<ImuNoise>& imu_noise)
+        const std::optional<ImuNoise>& imu_noise,
+        FrontEnd front_end)
       : options_(options),
         camera_(camera),
-        odometry_(options.vo, camera),
+        odometry_(options.vo, camera, std::move(front_end.matcher)),
         online_(options),
         map_sampler_(camera, options.system),
         inertial_(imu_noise.has_value()) {
+    result_.models = std::move(front_end.models);
     if (options.system.loops) loops_.emplace(options.loops, options.vo, camera);
     if (!imu_noise) return;
     measurements_.imu_noise = *imu_noise;
@@ -202,7 +205,8 @@ SlamResult SlamSystem::State::finish() {
 SlamSystem::SlamSystem(const SlamOptions& options,
                        const StereoCamera& camera,
                        const std::optional<ImuNoise>& imu_noise)
-    : state_(std::make_unique<State>(options, camera, imu_noise)) {}
+    : state_(std::make_unique<State>(options, camera, imu_noise, make_front_end(options, camera))) {
+}
 
 SlamSystem::~SlamSystem() = default;
 

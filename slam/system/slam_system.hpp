@@ -20,7 +20,8 @@ namespace imslam::system {
 /// Samples up to a frame's stamp (and a little more, for the time offset) are added before it.
 class SlamSystem {
  public:
-  /// `imu_noise` empty: there is no IMU, the graph is visual only.
+  /// `imu_noise` empty: there is no IMU, the graph is visual only. Throws what make_front_end()
+  /// throws.
   SlamSystem(const SlamOptions& options,
              const StereoCamera& camera,
              const std::optional<ImuNoise>& imu_noise);

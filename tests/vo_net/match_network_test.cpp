@@ -196,9 +196,16 @@ TEST(MatchNetwork, FoldedNormsGiveTheSameNumbers) {
     MatchNetwork<float> folded = network;
     folded.fold();
     Tape<float> tape(Mode::kInference);
-    const Var before = match_pair(tape, network, pair, points, kind).prediction.displacement;
-    const Var after = match_pair(tape, folded, pair, points, kind).prediction.displacement;
-    EXPECT_LT((tape.array(before) - tape.array(after)).abs().maxCoeff(), 1e-3F);
+    const vo::NetworkMatch before = match_pair(tape, network, pair, points, kind);
+    const vo::NetworkMatch after = match_pair(tape, folded, pair, points, kind);
+    const auto difference = [&](Var a, Var b) -> Eigen::ArrayXf {
+      return (tape.array(a) - tape.array(b)).abs();
+    };
+    EXPECT_LT(difference(before.levels[0].logits, after.levels[0].logits).maxCoeff(), 1e-3F);
+    // Rounding may choose another cell for a point between two that an untrained network likes.
+    const Eigen::ArrayXf moved =
+        difference(before.prediction.displacement, after.prediction.displacement);
+    EXPECT_LE((moved > 1e-3F).count(), moved.size() / 9);
     nn::ParameterList<float> list;
     EXPECT_THROW(folded.collect(list), ContractError);
   }

@@ -73,6 +73,14 @@ struct GradientCopy {
   float* sum;  ///< [packets * lanes]
 };
 
+/// One row of pixels of twice the size: y[j] = fine[j] + coarse row at j / 2, between its pixels.
+struct UpsampleRow {
+  const float *above, *below;  ///< [ceil(width / 2), channels]; the same row if it lies on one
+  const float* fine;           ///< [width, channels]
+  float* y;                    ///< [width, channels]
+  int width, channels;
+};
+
 /// Most outputs of a group of a narrow product.
 constexpr int kNarrowOutputs = 4;
 
@@ -84,6 +92,19 @@ struct KernelTable {
   void (*narrow_product)(const RowProduct&);
   void (*copy_gradient)(const GradientCopy&);
   void (*outer_product)(const OuterProduct&);
+  void (*upsample_add)(const UpsampleRow&);
+  /// y = max(a + b, 0)
+  void (*add_relu)(const float* a, const float* b, std::ptrdiff_t count, float* y);
+  /// y[i] = <query, pixels[i, :]>
+  void (*dot_products)(
+      const float* query, const float* pixels, std::ptrdiff_t count, int channels, float* y);
+  /// y[r, :] = inverse[r] x[r, :], inverse[r] = 1 / sqrt(|x[r, :]|^2 + smallest_square)
+  void (*unit_rows)(const float* x,
+                    std::ptrdiff_t rows,
+                    int channels,
+                    float smallest_square,
+                    float* inverse,
+                    float* y);
 };
 
 const KernelTable* sse2_kernels();

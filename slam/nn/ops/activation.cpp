@@ -1,5 +1,9 @@
 #include "slam/nn/ops/activation.hpp"
 
+#include <type_traits>
+
+#include "slam/nn/kernels/instruction_set.hpp"
+
 #include "slam/nn/ops/elementwise.hpp"
 
 namespace imslam::nn {
@@ -25,6 +29,28 @@ Var relu(Tape<S>& tape, Var x) {
         S* const d = dX.data();
         through_relu(Y.size(), Y.data(), dY.data(), S(0), [d](Index i, S v) { d[i] += v; });
       });
+}
+
+template <typename S>
+Var add_relu(Tape<S>& tape, Var a, Var b) {
+  expects_shapes(tape.shape(a) == tape.shape(b), "add_relu: two of one shape", tape.shape(a),
+                 tape.shape(b));
+  const Var y = tape.make(tape.shape(a));
+  const Index count = tape.shape(a).size();
+  if constexpr (std::is_same_v<S, float>) {
+    kernels::selected_kernels().add_relu(tape.data(a), tape.data(b), count, tape.data(y));
+  } else {
+    const Eigen::Array<S, Eigen::Dynamic, 1> sum = tape.array(a) + tape.array(b);
+    tape.array(y) = (sum < S(0)).select(S(0), sum);
+  }
+  return tape.record(y, {a, b}, [=](Tape<S>& t) {
+    for (const Var to : {a, b}) {
+      t.accumulate(to, [&](ArrayMap<S> dX) {
+        through_relu(count, t.data(y), t.gradient_data(y), S(0),
+                     [d = dX.data()](Index i, S v) { d[i] += v; });
+      });
+    }
+  });
 }
 
 template <typename S>
@@ -102,6 +128,7 @@ Var softplus(Tape<S>& tape, Var x) {
 
 #define INSTANTIATE(S)                            \
   template Var relu(Tape<S>&, Var);               \
+  template Var add_relu(Tape<S>&, Var, Var);      \
   template Var leaky_relu(Tape<S>&, Var, double); \
   template Var elu(Tape<S>&, Var);                \
   template Var gelu(Tape<S>&, Var);               \

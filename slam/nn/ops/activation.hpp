@@ -10,6 +10,8 @@ namespace imslam::nn {
 template <typename S>
 Var relu(Tape<S>& tape, Var x);  ///< max(x, 0)
 template <typename S>
+Var add_relu(Tape<S>& tape, Var a, Var b);  ///< max(a + b, 0) of one shape, in one pass
+template <typename S>
 Var leaky_relu(Tape<S>& tape, Var x, double slope = 0.1);  ///< x > 0 ? x : slope x
 template <typename S>
 Var elu(Tape<S>& tape, Var x);  ///< x > 0 ? x : e^x - 1

@@ -1,7 +1,10 @@
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <type_traits>
 
 #include "slam/base/parallel.hpp"
+#include "slam/nn/kernels/instruction_set.hpp"
 #include "slam/nn/ops/correlation.hpp"
 
 namespace imslam::nn {
@@ -66,6 +69,20 @@ struct PointWindows {
     }
   }
 
+  /// D[g] = <q, b> for the cells of the grid of point i inside of b; step 1.
+  void fill_grid(Index i, const Placed<float>& p, const float* q, const float* B, float* D) const {
+    if (!p.inside) return;
+    const Index first = std::max<Index>(0, p.x + window.x_min);
+    const Index end = std::min(width, p.x + window.x_min + columns());
+    for (Index r = 0; r < rows() && first < end; ++r) {
+      const Index row = p.y + window.y_min + r;
+      if (row < 0 || row >= height) continue;
+      const float* const pixels = B + ((i / points * height + row) * width + first) * channels;
+      kernels::selected_kernels().dot_products(q, pixels, end - first, static_cast<int>(channels),
+                                               D + r * columns() + first - p.x - window.x_min);
+    }
+  }
+
   /// visit(k, g): displacement k and the grid cell of its upper left corner.
   template <typename Visit>
   void for_each_displacement(const Visit& visit) const {
@@ -84,8 +101,14 @@ void forward_point(
   const Placed<S> p = w.place(centre);
   std::fill_n(D, w.grid_size(), S(0));
   const ConstRow<S> query(q, w.channels);
-  w.for_each_cell(
-      i, p, [&](Index g, Index at) { D[g] = (query * ConstRow<S>(B + at, w.channels)).sum(); });
+  if constexpr (std::is_same_v<S, float>) {
+    if (w.window.step == 1) w.fill_grid(i, p, q, B, D);
+  }
+  const bool filled = std::is_same_v<S, float> && w.window.step == 1;
+  if (!filled) {
+    w.for_each_cell(
+        i, p, [&](Index g, Index at) { D[g] = (query * ConstRow<S>(B + at, w.channels)).sum(); });
+  }
   w.for_each_displacement([&](Index k, Index g) {
     if (w.border == 0) {
       y[k] = D[g];

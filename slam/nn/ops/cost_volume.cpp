@@ -1,6 +1,9 @@
+#include <algorithm>
 #include <functional>
+#include <type_traits>
 
 #include "slam/base/parallel.hpp"
+#include "slam/nn/kernels/instruction_set.hpp"
 #include "slam/nn/ops/correlation.hpp"
 
 namespace imslam::nn {
@@ -66,6 +69,26 @@ void backward(Tape<S>& t, const Volume& v, Var a, Var b, Var y) {
   });
 }
 
+/// One line of y; rows of the window are contiguous in b.
+void fill_line(const Volume& v, Index line, const float* A, const float* B, float* Y) {
+  const kernels::KernelTable& kernels = kernels::selected_kernels();
+  const Index row = line % v.height;
+  const int columns = v.window.columns();
+  for (Index j = 0; j < v.width; ++j) {
+    const Index first = std::max<Index>(0, j + v.window.x_min);
+    const Index end = std::min(v.width, j + v.window.x_max + 1);
+    const float* const query = A + (line * v.width + j) * v.channels;
+    float* const y = Y + (line * v.width + j) * v.window.count();
+    for (int r = 0; r < v.window.rows() && first < end; ++r) {
+      const Index other = row + v.window.y_min + r;
+      if (other < 0 || other >= v.height) continue;
+      const float* const pixels = B + ((line - row + other) * v.width + first) * v.channels;
+      kernels.dot_products(query, pixels, end - first, static_cast<int>(v.channels),
+                           y + r * columns + (first - j - v.window.x_min));
+    }
+  }
+}
+
 }  // namespace
 
 void Window::validate() const {
@@ -86,6 +109,12 @@ Var cost_volume(Tape<S>& tape, Var a, Var b, const Window& window) {
   const S* const B = tape.data(b);
   S* const Y = tape.data(y);
   const Index K = window.count();
+  if constexpr (std::is_same_v<S, float>) {
+    if (window.step == 1) {
+      v.for_each_line([&](Index line) { fill_line(v, line, A, B, Y); });
+      return tape.record(y, {a, b}, [=](Tape<S>& t) { backward(t, v, a, b, y); });
+    }
+  }
   v.for_each_line([&](Index line) {
     v.for_each_partner(line, 1, [&](int k, Index p, Index q) {
       Y[p * K + k] = (ConstRow<S>(A + p * C, C) * ConstRow<S>(B + q * C, C)).sum();

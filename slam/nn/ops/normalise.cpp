@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "slam/nn/kernels/instruction_set.hpp"
+
 namespace imslam::nn {
 namespace {
 
@@ -32,7 +34,8 @@ Eigen::Map<Eigen::Array<S, 1, Eigen::Dynamic>> pixel(S* x, const Sets& sets, Ind
   return {x + (n * sets.pixels + p) * sets.channels, sets.channels};
 }
 
-constexpr Index kPixelsPerSum = 64;  // short sums of floats, long ones of doubles
+constexpr float kSmallestSquare = 1e-12F;  // of a row's length: 0 has no direction
+constexpr Index kPixelsPerSum = 64;        // short sums of floats, long ones of doubles
 
 /// Sums over the pixels of a sample: add(p, partial) adds what pixel p gives.
 template <typename S, typename Add>
@@ -164,6 +167,20 @@ BatchNormResult record_norm(Tape<S>& tape, const Sets& sets, Var x, Var gain, Va
   return result;
 }
 
+template <typename S>
+void unit_rows(const MatrixMap<S>& X, S* inverse_length, MatrixMap<S> Y) {
+  using std::sqrt;
+  for (Index r = 0; r < X.rows(); ++r) {
+    inverse_length[r] = S(1) / sqrt(X.row(r).squaredNorm() + S(kSmallestSquare));
+    Y.row(r) = inverse_length[r] * X.row(r);
+  }
+}
+
+void unit_rows(const MatrixMap<float>& X, float* inverse_length, MatrixMap<float> Y) {
+  kernels::selected_kernels().unit_rows(X.data(), X.rows(), static_cast<int>(X.cols()),
+                                        kSmallestSquare, inverse_length, Y.data());
+}
+
 }  // namespace
 
 template <typename S>
@@ -197,13 +214,7 @@ Var l2_normalise(Tape<S>& tape, Var x) {
   const Shape shape = tape.shape(x);
   const Var y = tape.make(shape);
   S* const inverse_length = tape.template keep<S>(shape.rows());
-  const MatrixMap<S> X = tape.matrix(x);
-  MatrixMap<S> Y = tape.matrix(y);
-  for (Index r = 0; r < shape.rows(); ++r) {
-    using std::sqrt;
-    inverse_length[r] = S(1) / sqrt(X.row(r).squaredNorm() + S(1e-12));
-    Y.row(r) = inverse_length[r] * X.row(r);
-  }
+  unit_rows(tape.matrix(x), inverse_length, tape.matrix(y));
   return tape.record(y, {x}, [=](Tape<S>& t) {
     const MatrixMap<S> unit = t.matrix(y);
     const MatrixMap<S> dY = t.gradient_matrix(y);

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
+
+#include "slam/nn/kernels/instruction_set.hpp"
 
 namespace imslam::nn {
 namespace {
@@ -61,29 +64,57 @@ struct Resizing {
 };
 
 template <typename S>
+Resizing prepare(Tape<S>& tape, const Shape& x, Index height, Index width, Method method) {
+  Blend* const rows = tape.template keep<Blend>(height);
+  Blend* const columns = tape.template keep<Blend>(width);
+  fill_blends(method, x[1], height, rows);
+  fill_blends(method, x[2], width, columns);
+  return {x[0], x[1], x[2], x[3], height, width, rows, columns};
+}
+
+/// Y += resized X
+template <typename S>
+void spread(const Resizing& r, const S* X, S* Y) {
+  r.template for_each_share<S>([&](Index at_x, S weight, Index at_y) {
+    for (Index c = 0; c < r.channels; ++c) Y[at_y + c] += weight * X[at_x + c];
+  });
+}
+
+/// dX += what each pixel of X gave to dY
+template <typename S>
+void gather(const Resizing& r, const S* dY, S* dX) {
+  r.template for_each_share<S>([&](Index at_x, S weight, Index at_y) {
+    for (Index c = 0; c < r.channels; ++c) dX[at_x + c] += weight * dY[at_y + c];
+  });
+}
+
+template <typename S>
 Var resize(Tape<S>& tape, Var x, Index height, Index width, Method method) {
   const Shape shape = tape.shape(x);
   expects_shape(shape.rank() == 4 && height >= 1 && width >= 1 && shape[1] >= 1 && shape[2] >= 1,
                 "resize: x [N,H,W,C] to at least one pixel", shape);
-  Blend* const rows = tape.template keep<Blend>(height);
-  Blend* const columns = tape.template keep<Blend>(width);
-  fill_blends(method, shape[1], height, rows);
-  fill_blends(method, shape[2], width, columns);
-  const Resizing r{shape[0], shape[1], shape[2], shape[3], height, width, rows, columns};
+  const Resizing r = prepare(tape, shape, height, width, method);
   const Var y = tape.make({shape[0], height, width, shape[3]});
   tape.array(y) = S(0);
-  const S* const X = tape.data(x);
-  S* const Y = tape.data(y);
-  r.template for_each_share<S>([&](Index at_x, S weight, Index at_y) {
-    for (Index c = 0; c < r.channels; ++c) Y[at_y + c] += weight * X[at_x + c];
-  });
-  return tape.record(y, {x}, [=](Tape<S>& t) {
-    const S* const dY = t.gradient_data(y);
-    S* const dX = t.gradient_data(x);
-    r.template for_each_share<S>([&](Index at_x, S weight, Index at_y) {
-      for (Index c = 0; c < r.channels; ++c) dX[at_x + c] += weight * dY[at_y + c];
-    });
-  });
+  spread(r, tape.data(x), tape.data(y));
+  return tape.record(y, {x},
+                     [=](Tape<S>& t) { gather(r, t.gradient_data(y), t.gradient_data(x)); });
+}
+
+void add_upsampled_rows(const Shape& shape, const float* fine, const float* x, float* y) {
+  const Index height = shape[1];
+  const Index pitch = shape[2] * shape[3];
+  const Index pitch_of_x = (shape[2] + 1) / 2 * shape[3];
+  const Index last = (height - 1) / 2;
+  for (Index row = 0; row < shape[0] * height; ++row) {
+    const Index i = row % height;
+    const float* const image = x + row / height * (last + 1) * pitch_of_x;
+    const float* const above = image + i / 2 * pitch_of_x;
+    const bool between = i % 2 == 1 && i / 2 < last;
+    kernels::selected_kernels().upsample_add(
+        {above, between ? above + pitch_of_x : above, fine + row * pitch, y + row * pitch,
+         static_cast<int>(shape[2]), static_cast<int>(shape[3])});
+  }
 }
 
 }  // namespace
@@ -116,12 +147,34 @@ Var upsample2_aligned(Tape<S>& tape, Var x, Index height, Index width) {
   return resize(tape, x, height, width, Method::kAligned);
 }
 
-#define INSTANTIATE(S)                                       \
-  template Var resize_nearest(Tape<S>&, Var, Index, Index);  \
-  template Var resize_bilinear(Tape<S>&, Var, Index, Index); \
-  template Var upsample2_nearest(Tape<S>&, Var);             \
-  template Var upsample2_bilinear(Tape<S>&, Var);            \
-  template Var upsample2_aligned(Tape<S>&, Var, Index, Index);
+template <typename S>
+Var add_upsampled2(Tape<S>& tape, Var fine, Var x) {
+  const Shape shape = tape.shape(fine);
+  expects_shapes(
+      shape.rank() == 4 && shape[1] >= 1 && shape[2] >= 1 &&
+          tape.shape(x) == Shape{shape[0], (shape[1] + 1) / 2, (shape[2] + 1) / 2, shape[3]},
+      "add_upsampled2: x is half as large as fine, rounded up", tape.shape(x), shape);
+  const Resizing r = prepare(tape, tape.shape(x), shape[1], shape[2], Method::kAligned);
+  const Var y = tape.make(shape);
+  if constexpr (std::is_same_v<S, float>) {
+    add_upsampled_rows(shape, tape.data(fine), tape.data(x), tape.data(y));
+  } else {
+    tape.array(y) = tape.array(fine);
+    spread(r, tape.data(x), tape.data(y));
+  }
+  return tape.record(y, {fine, x}, [=](Tape<S>& t) {
+    if (t.wants_gradient(x)) gather(r, t.gradient_data(y), t.gradient_data(x));
+    t.pass_on(y, fine);
+  });
+}
+
+#define INSTANTIATE(S)                                         \
+  template Var resize_nearest(Tape<S>&, Var, Index, Index);    \
+  template Var resize_bilinear(Tape<S>&, Var, Index, Index);   \
+  template Var upsample2_nearest(Tape<S>&, Var);               \
+  template Var upsample2_bilinear(Tape<S>&, Var);              \
+  template Var upsample2_aligned(Tape<S>&, Var, Index, Index); \
+  template Var add_upsampled2(Tape<S>&, Var, Var);
 IMSLAM_NN_FOR_EACH_SCALAR(INSTANTIATE)
 
 }  // namespace imslam::nn

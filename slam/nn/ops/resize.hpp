@@ -27,4 +27,8 @@ Var upsample2_bilinear(Tape<S>& tape, Var x);  ///< to 2 H x 2 W
 template <typename S>
 Var upsample2_aligned(Tape<S>& tape, Var x, Index height, Index width);
 
+/// y = fine + upsample2_aligned(x), in one pass. fine [N,height,width,C].
+template <typename S>
+Var add_upsampled2(Tape<S>& tape, Var fine, Var x);
+
 }  // namespace imslam::nn

@@ -18,6 +18,8 @@ const CheckOptions kWide{-3.0, 3.0};
 TEST(Activation, GradientsOfAllFunctions) {
   check_op([](auto& t, const Vars& v) { return relu(t, v[0]); }, kOne, kWide);
   check_op([](auto& t, const Vars& v) { return leaky_relu(t, v[0], 0.2); }, kOne, kWide);
+  check_op([](auto& t, const Vars& v) { return add_relu(t, v[0], v[1]); }, {{3, 37}, {3, 37}},
+           kWide);
   check_op([](auto& t, const Vars& v) { return elu(t, v[0]); }, kOne, kWide);
   check_op([](auto& t, const Vars& v) { return gelu(t, v[0]); }, kOne, kWide);
   check_op([](auto& t, const Vars& v) { return silu(t, v[0]); }, kOne, kWide);

@@ -42,6 +42,10 @@ TEST(Resize, Gradients) {
   check_op([](auto& t, const Vars& v) { return resize_bilinear(t, v[0], 2, 3); }, one);
   const std::vector<Shape> half{{2, 3, 2, 2}};
   check_op([](auto& t, const Vars& v) { return upsample2_aligned(t, v[0], 5, 4); }, half);
+  check_op([](auto& t, const Vars& v) { return add_upsampled2(t, v[1], v[0]); },
+           {{2, 3, 2, 2}, {2, 5, 4, 2}});
+  check_op([](auto& t, const Vars& v) { return add_upsampled2(t, v[1], v[0]); },
+           {{1, 2, 3, 35}, {1, 4, 5, 35}});
 }
 
 TEST(Resize, BilinearKeepsARampAndItsBorders) {

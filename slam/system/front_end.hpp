@@ -1,0 +1,30 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "slam/nn/model_card.hpp"
+#include "slam/sensors/calibration.hpp"
+#include "slam/system/slam_options.hpp"
+#include "vo_net/matcher.hpp"
+
+namespace imslam::system {
+
+/// A trained network that took part in a run.
+struct ModelRecord {
+  std::string name;  ///< its task: match_network
+  std::string file;
+  nn::ModelCard card;  ///< with the sha256 of the tensors
+};
+
+struct FrontEnd {
+  std::unique_ptr<vo::Matcher> matcher;
+  std::vector<ModelRecord> models;
+};
+
+/// The matcher that options.system.front_end names. Throws InputError(kModel) if it needs weights
+/// and there are none.
+FrontEnd make_front_end(const SlamOptions& options, const StereoCamera& camera);
+
+}  // namespace imslam::system

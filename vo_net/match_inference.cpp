@@ -1,0 +1,156 @@
+#include "vo_net/match_inference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "slam/base/error.hpp"
+#include "slam/base/parallel.hpp"
+
+namespace imslam::vo {
+namespace {
+
+using nn::Index;
+using nn::Var;
+
+constexpr double kVarianceOfScale = 3.0;  // nu / (nu - 2) of Student's t with nu = 3
+
+/// Means of squares of shrink x shrink pixels; what is left over at the right and below is cut off.
+void write_pixels(const GrayImage& image, int shrink, Index height, Index width, float* to) {
+  if (shrink == 1) {
+    std::copy(image.pixels.begin(), image.pixels.end(), to);
+    return;
+  }
+  const float share = 1.0F / static_cast<float>(shrink * shrink);
+  for (int i = 0; i < height; ++i) {
+    for (int j = 0; j < width; ++j) {
+      int sum = 0;
+      for (int row = i * shrink; row < (i + 1) * shrink; ++row) {
+        for (int column = j * shrink; column < (j + 1) * shrink; ++column) {
+          sum += image.at(row, column);
+        }
+      }
+      *to++ = static_cast<float>(sum) * share;
+    }
+  }
+}
+
+/// The features of one tape for use on another.
+FeaturePyramid borrow(nn::Tape<float>& tape,
+                      const nn::Tape<float>& owner,
+                      const FeaturePyramid& features) {
+  return {tape.borrow(owner, features.half), tape.borrow(owner, features.quarter),
+          tape.borrow(owner, features.eighth), tape.borrow(owner, features.sixteenth)};
+}
+
+double sigmoid(double logit) { return 1.0 / (1.0 + std::exp(-logit)); }
+
+/// Answer i of a prediction [1,P,D], in pixels of the network.
+NetworkAnswer answer_of(const nn::Tape<float>& tape, const MatchPrediction& prediction, Index i) {
+  const Index D = tape.shape(prediction.displacement).channels();
+  const float* const moved = tape.data(prediction.displacement) + D * i;
+  const float* const log_sigma = tape.data(prediction.log_sigma) + D * i;
+  NetworkAnswer answer;
+  answer.confidence = sigmoid(static_cast<double>(tape.data(prediction.confidence)[i]));
+  const double sx = std::exp(static_cast<double>(log_sigma[0]));
+  answer.displacement.x() = static_cast<double>(moved[0]);
+  answer.covariance(0, 0) = kVarianceOfScale * sx * sx;
+  if (D == 1) return answer;
+  const double sy = std::exp(static_cast<double>(log_sigma[1]));
+  const double r = static_cast<double>(tape.data(prediction.correlation)[i]);
+  answer.displacement.y() = static_cast<double>(moved[1]);
+  answer.covariance(1, 1) = kVarianceOfScale * sy * sy;
+  answer.covariance(0, 1) = answer.covariance(1, 0) = kVarianceOfScale * r * sx * sy;
+  return answer;
+}
+
+}  // namespace
+
+MatchInference::MatchInference(std::shared_ptr<MatchNetwork<float>> network, int shrink)
+    : network_(std::move(network)),
+      shrink_(shrink),
+      left_before_(std::make_unique<Encoded>()),
+      left_(std::make_unique<Encoded>()),
+      right_(std::make_unique<Encoded>()) {
+  expects(network_ != nullptr && shrink >= 1, "MatchInference: needs a network and a whole factor");
+}
+
+void MatchInference::encode(const GrayImage& image, Encoded& encoded) const {
+  encoded.tape.reset();
+  const Index height = image.height / shrink_;
+  const Index width = image.width / shrink_;
+  const Var pixels = encoded.tape.make({1, height, width, 1});
+  write_pixels(image, shrink_, height, width, encoded.tape.data(pixels));
+  encoded.features = network_->encode(encoded.tape, pixels);
+}
+
+void MatchInference::advance(const GrayImage& left, const GrayImage& right) {
+  expects(left.width >= shrink_ && left.height >= shrink_ && left.width == right.width &&
+              left.height == right.height,
+          "MatchInference::advance: two images of one size");
+  std::swap(left_, left_before_);
+  stereo_logits_ = {};
+  parallel_for(2, [&](std::size_t i) { i == 0 ? encode(left, *left_) : encode(right, *right_); });
+}
+
+void MatchInference::step_back() {
+  std::swap(left_, left_before_);
+  left_before_->features = {};
+}
+
+void MatchInference::prepare_stereo() {
+  if (stereo_logits_) return;
+  nn::Tape<float>& tape = right_->tape;
+  stereo_logits_ = network_->coarse_logits(tape, borrow(tape, left_->tape, left_->features),
+                                           right_->features, MatchKind::kStereo);
+}
+
+std::vector<NetworkAnswer> MatchInference::flow(const std::vector<Eigen::Vector2d>& points,
+                                                const Eigen::Vector2d& predicted) {
+  MatchHint hint;
+  hint.predicted_x = predicted.x() / shrink_;
+  hint.predicted_y = predicted.y() / shrink_;
+  std::vector<NetworkAnswer> answers;
+  parallel_for(2, [&](std::size_t i) {  // on two tapes
+    if (i == 0) answers = match(*left_before_, *left_, points, MatchKind::kFlow, hint);
+    if (i == 1) prepare_stereo();
+  });
+  return answers;
+}
+
+std::vector<NetworkAnswer> MatchInference::stereo(const std::vector<Eigen::Vector2d>& points) {
+  prepare_stereo();
+  MatchHint hint;
+  hint.coarse_logits = stereo_logits_;
+  return match(*left_, *right_, points, MatchKind::kStereo, hint);
+}
+
+std::vector<NetworkAnswer> MatchInference::match(const Encoded& from,
+                                                 Encoded& to,
+                                                 const std::vector<Eigen::Vector2d>& points,
+                                                 MatchKind kind,
+                                                 const MatchHint& hint) const {
+  if (points.empty()) return {};
+  nn::Tape<float>& tape = to.tape;
+  const auto count = static_cast<Index>(points.size());
+  const Var places = tape.make({1, count, 2});
+  const double middle = 0.5 * (shrink_ - 1);  // of the pixels that one pixel of the network covers
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Eigen::Vector2d place = (points[i].array() - middle) / shrink_;
+    Eigen::Map<Eigen::Vector2f>(tape.data(places) + 2 * i) = place.cast<float>();
+  }
+  const FeaturePyramid before = borrow(tape, from.tape, from.features);
+  const MatchPrediction prediction =
+      network_->forward(tape, before, to.features, places, kind, hint).prediction;
+  std::vector<NetworkAnswer> answers;
+  answers.reserve(points.size());
+  for (Index i = 0; i < count; ++i) {
+    NetworkAnswer answer = answer_of(tape, prediction, i);
+    answer.displacement *= shrink_;
+    answer.covariance *= shrink_ * shrink_;
+    answers.push_back(answer);
+  }
+  return answers;
+}
+
+}  // namespace imslam::vo

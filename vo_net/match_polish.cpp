@@ -1,0 +1,62 @@
+#include "vo_net/match_polish.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace imslam::vo {
+namespace {
+
+constexpr int kContrastRadius = 15;  // [px], about what a cell at 1/16 sees at least
+constexpr int kContrastStep = 2;     // [px]
+static_assert(kContrastRadius < ImagePyramid::kBorder);
+
+double larger_variance(const Eigen::Matrix2d& covariance) {
+  const double half_trace = 0.5 * covariance.trace();
+  const double rest = half_trace * half_trace - covariance.determinant();
+  return half_trace + std::sqrt(std::max(0.0, rest));
+}
+
+}  // namespace
+
+MatchPolish::MatchPolish(const LearnedMatcherOptions& options) : options_(options) {
+  align_.window = options.polish_window;
+  align_.smoothing = options.smoothing;
+}
+
+std::optional<Alignment> MatchPolish::polish(const ImagePyramid& from,
+                                             const Eigen::Vector2d& center,
+                                             const ImagePyramid& to,
+                                             const NetworkAnswer& answer) const {
+  const double largest = options_.max_polish_sigma * options_.max_polish_sigma;
+  if (!options_.polish || larger_variance(answer.covariance) > largest) return std::nullopt;
+  const Eigen::Vector2d start = center + answer.displacement;
+  const Alignment found = align_patch(from, center, to, start, 0, align_, false);
+  if (!found.found || found.correlation < options_.min_polish_correlation ||
+      (found.position - start).norm() > options_.max_polish_move) {
+    return std::nullopt;
+  }
+  return found;
+}
+
+bool MatchPolish::shows_something(const ImagePyramid& image, const Eigen::Vector2d& p) const {
+  const ImagePyramid::Level& level = image[0];
+  const int x = std::clamp(static_cast<int>(std::lround(p.x())), 0, level.width - 1);
+  const int y = std::clamp(static_cast<int>(std::lround(p.y())), 0, level.height - 1);
+  const auto reference = static_cast<double>(*level.at(x, y));  // sums stay small and exact
+  double sum = 0.0;
+  double squares = 0.0;
+  double count = 0.0;
+  for (int dy = -kContrastRadius; dy <= kContrastRadius; dy += kContrastStep) {
+    for (int dx = -kContrastRadius; dx <= kContrastRadius; dx += kContrastStep) {
+      const double value = static_cast<double>(*level.at(x + dx, y + dy)) - reference;
+      sum += value;
+      squares += value * value;
+      count += 1.0;
+    }
+  }
+  const double variance = squares / count - (sum / count) * (sum / count);
+  return variance > options_.min_contrast * options_.min_contrast;
+}
+
+}  // namespace imslam::vo
