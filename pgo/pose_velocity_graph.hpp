@@ -10,6 +10,24 @@
 
 namespace imslam::pgo {
 
+/// Covariance of one state, tangent [rho theta nu gyro accel].
+using StateCovariance = Eigen::Matrix<double, 15, 15>;
+
+/// Standard deviations of what is estimated once for the whole graph, all else being unknown too.
+/// Empty: held, or in no factor.
+struct GlobalSigmas {
+  std::optional<double> disparity_offset;  ///< [px]
+  std::optional<double> focal_error;       ///< [1]
+  std::optional<double> time_offset_s;     ///< [s]
+};
+
+/// How sure the solution is: entries of the inverse of J^T J there. True where the factors'
+/// covariances are; robust kernels count as their weights.
+struct GraphUncertainty {
+  std::vector<StateCovariance> states;
+  GlobalSigmas globals;
+};
+
 /// The pose-velocity graph: per frame a pose, a velocity and an IMU bias; globally the direction of
 /// gravity, the disparity offset and the camera-IMU time offset.
 ///
@@ -61,9 +79,10 @@ class PoseVelocityGraph {
   /// Joint covariance of one state, tangent [rho theta nu gyro accel]. Empty Optional: the graph
   /// does not determine the states (no anchor, disconnected). Rows and columns of unknowns that the
   /// graph does not estimate are zero.
-  using StateCovariance = Eigen::Matrix<double, 15, 15>;
   std::optional<std::vector<StateCovariance>> covariances() const;
   std::optional<StateCovariance> covariance(int state) const;
+  /// The same of all states, and the globals' standard deviations, from one factorisation.
+  std::optional<GraphUncertainty> uncertainty() const;
 
   const std::vector<State>& states() const { return data_.states; }
   const Globals& globals() const { return data_.globals; }

@@ -1,4 +1,7 @@
 #include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "pgo/linear_system.hpp"
 #include "pgo/pose_velocity_graph.hpp"
@@ -50,10 +53,31 @@ Eigen::SparseMatrix<double> information(const LinearSystem& system,
   return H + pattern;
 }
 
+GlobalSigmas sigmas_of_globals(const LinearSystem& system, const SelectedInverse& inverse) {
+  GlobalSigmas sigmas;
+  for (std::size_t b = 0; b < system.blocks.size(); ++b) {
+    const Eigen::Index column = system.offsets[b];
+    const auto sigma = [&] { return std::sqrt(std::max(0.0, inverse(column, column))); };
+    switch (system.blocks[b].kind) {
+      case BlockId::Kind::kDisparityOffset:
+        sigmas.disparity_offset = sigma();
+        break;
+      case BlockId::Kind::kFocalError:
+        sigmas.focal_error = sigma();
+        break;
+      case BlockId::Kind::kTimeOffset:
+        sigmas.time_offset_s = sigma();
+        break;
+      default:
+        break;
+    }
+  }
+  return sigmas;
+}
+
 }  // namespace
 
-std::optional<std::vector<PoseVelocityGraph::StateCovariance>> PoseVelocityGraph::covariances()
-    const {
+std::optional<GraphUncertainty> PoseVelocityGraph::uncertainty() const {
   if (!unsolvable_reason(data_).empty()) return std::nullopt;
   GraphProblem graph(data_, options_);
   const LinearSystem system =
@@ -62,16 +86,26 @@ std::optional<std::vector<PoseVelocityGraph::StateCovariance>> PoseVelocityGraph
   const auto inverse = SelectedInverse::factorize(information(system, places));
   if (!inverse) return std::nullopt;
 
-  std::vector<StateCovariance> result(data_.states.size(), StateCovariance::Zero());
-  for (std::size_t i = 0; i < result.size(); ++i) {
+  GraphUncertainty result;
+  result.globals = sigmas_of_globals(system, *inverse);
+  result.states.assign(data_.states.size(), StateCovariance::Zero());
+  for (std::size_t i = 0; i < result.states.size(); ++i) {
     for (const Place& a : places[i]) {
-      for (const Place& b : places[i]) result[i](a.row, b.row) = (*inverse)(a.column, b.column);
+      for (const Place& b : places[i]) {
+        result.states[i](a.row, b.row) = (*inverse)(a.column, b.column);
+      }
     }
   }
   return result;
 }
 
-std::optional<PoseVelocityGraph::StateCovariance> PoseVelocityGraph::covariance(int state) const {
+std::optional<std::vector<StateCovariance>> PoseVelocityGraph::covariances() const {
+  auto all = uncertainty();
+  if (!all) return std::nullopt;
+  return std::move(all->states);
+}
+
+std::optional<StateCovariance> PoseVelocityGraph::covariance(int state) const {
   expect_state(state);
   const auto all = covariances();
   if (!all) return std::nullopt;

@@ -49,8 +49,7 @@ LevelMatch CoarseMatcher<S>::forward(nn::Tape<S>& tape,
                                      nn::Var dense) {
   LevelMatch match;
   match.stride = kStride;
-  match.window = {window.x_min + shift.x, window.x_max + shift.x, window.y_min + shift.y,
-                  window.y_max + shift.y, window.step};
+  match.window = shifted_window(shift);
   if (!dense) dense = logits(tape, f0, f1, match.window);
   const nn::Var places = scale(tape, points, 1.0 / kStride);
   match.logits = bilinear_sample(tape, dense, places, nn::Border::kClamp);

@@ -40,6 +40,10 @@ struct CoarseMatcher {
                      nn::Var dense = {});
   /// The same for all cells [N,h,w,K].
   nn::Var logits(nn::Tape<S>& tape, nn::Var f0, nn::Var f1, const nn::Window& shifted);
+  nn::Window shifted_window(const CellShift& shift) const {
+    return {window.x_min + shift.x, window.x_max + shift.x, window.y_min + shift.y,
+            window.y_max + shift.y, window.step};
+  }
 
   void collect(nn::ParameterList<S>& list, const std::string& prefix);
   void fold();

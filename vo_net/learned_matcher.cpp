@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "slam/base/error.hpp"
@@ -33,6 +34,21 @@ Eigen::Vector2d median(std::vector<Eigen::Vector2d> values) {
     result[axis] = (*middle)[axis];
   }
   return result;
+}
+
+/// Leaves the oldest track of each cell: where the scene shrinks, tracks come to crowd, and each
+/// costs time.
+void leave_one_per_cell(std::vector<Track>& tracks, double side) {
+  std::set<std::pair<int, int>> occupied;
+  const auto crowds = [&](const Track& track) {
+    const Eigen::Vector2i cell = (track.left / side).array().floor().cast<int>();
+    return !occupied.emplace(cell.x(), cell.y()).second;
+  };
+  std::vector<Track> kept;
+  for (const Track& track : tracks) {  // by age
+    if (!crowds(track)) kept.push_back(track);
+  }
+  tracks = std::move(kept);
 }
 
 int shrink_of(int width, int max_width) { return (width + max_width - 1) / max_width; }
@@ -211,6 +227,7 @@ MatchResult LearnedMatcher::State::match(const StereoFrame& frame, const lie::SE
   for (const Track& track : tracks_) {
     result.points.push_back(make_stereo_point(track, options.sigma_floor));
   }
+  leave_one_per_cell(tracks_, cell_side(camera.width, camera.height, options.max_points));
   ++frames_;
   return result;
 }

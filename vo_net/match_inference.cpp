@@ -13,7 +13,8 @@ namespace {
 using nn::Index;
 using nn::Var;
 
-constexpr double kVarianceOfScale = 3.0;  // nu / (nu - 2) of Student's t with nu = 3
+constexpr std::size_t kPointsPerTape = 100;  // pieces that do not depend on the number of threads
+constexpr double kVarianceOfScale = 3.0;     // nu / (nu - 2) of Student's t with nu = 3
 
 /// Means of squares of shrink x shrink pixels; what is left over at the right and below is cut off.
 void write_pixels(const GrayImage& image, int shrink, Index height, Index width, float* to) {
@@ -98,11 +99,12 @@ void MatchInference::step_back() {
   left_before_->features = {};
 }
 
-void MatchInference::prepare_stereo() {
-  if (stereo_logits_) return;
-  nn::Tape<float>& tape = right_->tape;
-  stereo_logits_ = network_->coarse_logits(tape, borrow(tape, left_->tape, left_->features),
-                                           right_->features, MatchKind::kStereo);
+Var MatchInference::coarse_logits(const Encoded& from,
+                                  Encoded& to,
+                                  MatchKind kind,
+                                  const MatchHint& hint) {
+  return network_->coarse_logits(to.tape, borrow(to.tape, from.tape, from.features), to.features,
+                                 kind, hint);
 }
 
 std::vector<NetworkAnswer> MatchInference::flow(const std::vector<Eigen::Vector2d>& points,
@@ -110,47 +112,61 @@ std::vector<NetworkAnswer> MatchInference::flow(const std::vector<Eigen::Vector2
   MatchHint hint;
   hint.predicted_x = predicted.x() / shrink_;
   hint.predicted_y = predicted.y() / shrink_;
-  std::vector<NetworkAnswer> answers;
+  Pair pair{*left_before_, *left_, {}, MatchKind::kFlow, hint};
   parallel_for(2, [&](std::size_t i) {  // on two tapes
-    if (i == 0) answers = match(*left_before_, *left_, points, MatchKind::kFlow, hint);
-    if (i == 1) prepare_stereo();
+    if (i == 0) pair.coarse_logits = coarse_logits(pair.from, pair.to, pair.kind, hint);
+    if (i == 1 && !stereo_logits_) {
+      stereo_logits_ = coarse_logits(*left_, *right_, MatchKind::kStereo, {});
+    }
+  });
+  return match(pair, points);
+}
+
+std::vector<NetworkAnswer> MatchInference::stereo(const std::vector<Eigen::Vector2d>& points) {
+  if (!stereo_logits_) stereo_logits_ = coarse_logits(*left_, *right_, MatchKind::kStereo, {});
+  return match({*left_, *right_, stereo_logits_, MatchKind::kStereo, {}}, points);
+}
+
+std::vector<NetworkAnswer> MatchInference::match(const Pair& pair,
+                                                 const std::vector<Eigen::Vector2d>& points) {
+  std::vector<NetworkAnswer> answers(points.size());
+  const std::size_t pieces = (points.size() + kPointsPerTape - 1) / kPointsPerTape;
+  while (point_tapes_.size() < pieces) {
+    point_tapes_.push_back(std::make_unique<nn::Tape<float>>(nn::Mode::kInference));
+  }
+  parallel_for(pieces, [&](std::size_t piece) {
+    const std::size_t first = piece * kPointsPerTape;
+    const std::size_t count = std::min(kPointsPerTape, points.size() - first);
+    match_some(pair, *point_tapes_[piece], points.data() + first, static_cast<Index>(count),
+               answers.data() + first);
   });
   return answers;
 }
 
-std::vector<NetworkAnswer> MatchInference::stereo(const std::vector<Eigen::Vector2d>& points) {
-  prepare_stereo();
-  MatchHint hint;
-  hint.coarse_logits = stereo_logits_;
-  return match(*left_, *right_, points, MatchKind::kStereo, hint);
-}
-
-std::vector<NetworkAnswer> MatchInference::match(const Encoded& from,
-                                                 Encoded& to,
-                                                 const std::vector<Eigen::Vector2d>& points,
-                                                 MatchKind kind,
-                                                 const MatchHint& hint) const {
-  if (points.empty()) return {};
-  nn::Tape<float>& tape = to.tape;
-  const auto count = static_cast<Index>(points.size());
+void MatchInference::match_some(const Pair& pair,
+                                nn::Tape<float>& tape,
+                                const Eigen::Vector2d* points,
+                                Index count,
+                                NetworkAnswer* answers) const {
+  tape.reset();
   const Var places = tape.make({1, count, 2});
   const double middle = 0.5 * (shrink_ - 1);  // of the pixels that one pixel of the network covers
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  for (Index i = 0; i < count; ++i) {
     const Eigen::Vector2d place = (points[i].array() - middle) / shrink_;
     Eigen::Map<Eigen::Vector2f>(tape.data(places) + 2 * i) = place.cast<float>();
   }
-  const FeaturePyramid before = borrow(tape, from.tape, from.features);
+  MatchHint hint = pair.hint;
+  hint.coarse_logits = tape.borrow(pair.to.tape, pair.coarse_logits);
   const MatchPrediction prediction =
-      network_->forward(tape, before, to.features, places, kind, hint).prediction;
-  std::vector<NetworkAnswer> answers;
-  answers.reserve(points.size());
+      network_
+          ->forward(tape, borrow(tape, pair.from.tape, pair.from.features),
+                    borrow(tape, pair.to.tape, pair.to.features), places, pair.kind, hint)
+          .prediction;
   for (Index i = 0; i < count; ++i) {
-    NetworkAnswer answer = answer_of(tape, prediction, i);
-    answer.displacement *= shrink_;
-    answer.covariance *= shrink_ * shrink_;
-    answers.push_back(answer);
+    answers[i] = answer_of(tape, prediction, i);
+    answers[i].displacement *= shrink_;
+    answers[i].covariance *= shrink_ * shrink_;
   }
-  return answers;
 }
 
 }  // namespace imslam::vo

@@ -49,13 +49,22 @@ class MatchInference {
     FeaturePyramid features;
   };
 
+  /// Two encoded images and what does not depend on the points between them.
+  struct Pair {
+    const Encoded& from;
+    Encoded& to;
+    nn::Var coarse_logits;  ///< on the tape of `to`
+    MatchKind kind;
+    MatchHint hint;
+  };
   void encode(const GrayImage& image, Encoded& encoded) const;
-  void prepare_stereo();
-  std::vector<NetworkAnswer> match(const Encoded& from,
-                                   Encoded& to,
-                                   const std::vector<Eigen::Vector2d>& points,
-                                   MatchKind kind,
-                                   const MatchHint& hint) const;
+  nn::Var coarse_logits(const Encoded& from, Encoded& to, MatchKind kind, const MatchHint& hint);
+  std::vector<NetworkAnswer> match(const Pair& pair, const std::vector<Eigen::Vector2d>& points);
+  void match_some(const Pair& pair,
+                  nn::Tape<float>& tape,
+                  const Eigen::Vector2d* points,
+                  nn::Index count,
+                  NetworkAnswer* answers) const;
 
   std::shared_ptr<MatchNetwork<float>> network_;
   int shrink_;
@@ -63,6 +72,7 @@ class MatchInference {
   std::unique_ptr<Encoded> left_;
   std::unique_ptr<Encoded> right_;
   nn::Var stereo_logits_;  ///< on the tape of right_, or none yet
+  std::vector<std::unique_ptr<nn::Tape<float>>> point_tapes_;  ///< one per some of the points
 };
 
 }  // namespace imslam::vo

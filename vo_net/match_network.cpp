@@ -108,9 +108,11 @@ template <typename S>
 Var MatchNetwork<S>::coarse_logits(nn::Tape<S>& tape,
                                    const FeaturePyramid& features0,
                                    const FeaturePyramid& features1,
-                                   MatchKind kind) {
+                                   MatchKind kind,
+                                   const MatchHint& hint) {
   CoarseMatcher<S>& coarse = kind == MatchKind::kFlow ? flow.coarse : stereo.coarse;
-  return coarse.logits(tape, features0.sixteenth, features1.sixteenth, coarse.window);
+  return coarse.logits(tape, features0.sixteenth, features1.sixteenth,
+                       coarse.shifted_window(cells_of(hint)));
 }
 
 template <typename S>

@@ -72,11 +72,13 @@ struct MatchNetwork {
                        MatchKind kind,
                        const MatchHint& hint = {});
 
-  /// The part of the matching that does not depend on the points, for a hint of (0, 0).
+  /// The part of the matching that does not depend on the points, for a hint of the same
+  /// prediction.
   nn::Var coarse_logits(nn::Tape<S>& tape,
                         const FeaturePyramid& features0,
                         const FeaturePyramid& features1,
-                        MatchKind kind);
+                        MatchKind kind,
+                        const MatchHint& hint = {});
 
   /// All parameters: "encoder.half.conv.weight", "flow.coarse.sharpness", "stereo.head.first.bias".
   void collect(nn::ParameterList<S>& list, const std::string& prefix = "");

@@ -13,9 +13,9 @@ namespace imslam::vo {
 
 /// Sizes of the network. Those of the shipped weights are the defaults.
 struct PoseHeadSizes {
-  int fine = 32;    ///< channels at 1/2 of the grid
-  int middle = 64;  ///< at 1/4
-  int coarse = 96;  ///< at 1/8
+  int fine = 24;    ///< channels at 1/2 of the grid
+  int middle = 48;  ///< at 1/4
+  int coarse = 64;  ///< at 1/8
   int hidden = 64;  ///< of the last layers
   int passes = 2;   ///< looks at the flow, each with the rotation found so far taken out
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "imu_net/static_detector.hpp"
 #include "pgo/paper_window.hpp"
@@ -111,11 +112,8 @@ class BatchEstimator {
       out_.report = graph.solve(options_.solver);
       const bool last = round == options_.system.relinearisations;
       if (last || settled(states, globals, graph)) {
-        collect(graph);
-        if (graph.options().estimate_focal_error) {
-          out_.focal_error = Estimate{graph.globals().focal_error, std::nullopt};
-        }
         out_.time_offset_s = Estimate{graph.globals().time_offset_s, start.time_offset_sigma_s};
+        collect(graph);
         return;
       }
       states = graph.states();
@@ -220,13 +218,28 @@ class BatchEstimator {
   void collect(const pgo::PoseVelocityGraph& graph) {
     out_.graph = graph.data();
     out_.graph_options = graph.options();
-    out_.disparity_offset_px = {graph.globals().disparity_offset, disparity_offset_.sigma};
+    const pgo::Globals& globals = graph.globals();
+    out_.disparity_offset_px = {globals.disparity_offset, disparity_offset_.sigma};
+    if (graph.options().estimate_focal_error) {
+      out_.focal_error = Estimate{globals.focal_error, std::nullopt};
+    }
     if (!options_.system.covariances) return;
-    const auto covariances = graph.covariances();
-    if (!covariances) return;
-    for (const auto& covariance : *covariances) {
+    const auto uncertainty = graph.uncertainty();
+    if (!uncertainty) return;
+    for (const auto& covariance : uncertainty->states) {
       const double variance = covariance.topLeftCorner<3, 3>().trace();
       out_.position_sigma_m.push_back(static_cast<float>(std::sqrt(std::max(0.0, variance))));
+    }
+    collect_sigmas(uncertainty->globals);
+  }
+
+  /// Where the graph estimates a number, its own standard deviation takes the place of that of the
+  /// first guess.
+  void collect_sigmas(const pgo::GlobalSigmas& sigmas) {
+    if (sigmas.disparity_offset) out_.disparity_offset_px.sigma = sigmas.disparity_offset;
+    if (out_.focal_error) out_.focal_error->sigma = sigmas.focal_error;
+    if (out_.time_offset_s && sigmas.time_offset_s) {
+      out_.time_offset_s->sigma = sigmas.time_offset_s;
     }
   }
 
@@ -242,7 +255,13 @@ class BatchEstimator {
 BatchEstimate estimate_batch(const Measurements& measurements,
                              const Estimate& disparity_offset,
                              const SlamOptions& options) {
-  return BatchEstimator(measurements, disparity_offset, options).estimate();
+  BatchEstimate estimate = BatchEstimator(measurements, disparity_offset, options).estimate();
+  const auto kept = without_conflicts(measurements, estimate.conflict);
+  if (!kept) return estimate;
+  BatchEstimate gated = BatchEstimator(*kept, disparity_offset, options).estimate();
+  if (!gated.inertial) return estimate;  // what is left does not start the IMU
+  gated.conflict = std::move(estimate.conflict);
+  return gated;
 }
 
 }  // namespace imslam::system

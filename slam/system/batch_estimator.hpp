@@ -36,6 +36,9 @@ struct BatchEstimate {
 /// that fails the graph is visual only and a warning says why. The IMU is integrated anew at the
 /// biases found until they stand still. Where the IMU bridges what vision does not see, frames
 /// count as covered for two seconds: its errors grow with the cube of the time.
+///
+/// Where vision and gyro contradict each other (rotation_conflicts()) the graph is solved again
+/// without the motions of vision there.
 BatchEstimate estimate_batch(const Measurements& measurements,
                              const Estimate& disparity_offset,
                              const SlamOptions& options);

@@ -47,4 +47,22 @@ std::vector<bool> rotation_conflicts(const Measurements& measurements,
   return conflicts;
 }
 
+std::optional<Measurements> without_conflicts(const Measurements& measurements,
+                                              const std::vector<bool>& conflicts) {
+  const auto flagged = std::count(conflicts.begin(), conflicts.end(), true);
+  if (flagged == 0 || 2 * static_cast<std::size_t>(flagged) >= conflicts.size()) {
+    return std::nullopt;
+  }
+  const auto contradicted = [&](const RelativeMotion& motion) {
+    const auto from = measurements.frame_at(motion.time0_ns);
+    const auto to = measurements.frame_at(motion.time1_ns);
+    return (from && conflicts[*from]) || (to && conflicts[*to]);
+  };
+  Measurements kept = measurements;
+  for (auto* motions : {&kept.odometry, &kept.skips}) {
+    motions->erase(std::remove_if(motions->begin(), motions->end(), contradicted), motions->end());
+  }
+  return kept;
+}
+
 }  // namespace imslam::system

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "slam/sensors/motion.hpp"
@@ -16,5 +17,12 @@ namespace imslam::system {
 /// whole. False where one of the two is missing or degraded.
 std::vector<bool> rotation_conflicts(const Measurements& measurements,
                                      const std::vector<ImuMotion>& inertial);
+
+/// The measurements without the visual motions that begin or end in a flagged frame: images can
+/// show another place than the body's, a gyro cannot, so the IMU bridges the stretch. Empty if
+/// nothing is flagged, or half of all frames or more: then one of the two sensors, or how they are
+/// mounted, is wrong as a whole, and it is not known which.
+std::optional<Measurements> without_conflicts(const Measurements& measurements,
+                                              const std::vector<bool>& conflicts);
 
 }  // namespace imslam::system

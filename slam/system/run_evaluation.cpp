@@ -38,6 +38,15 @@ ErrorsByLength errors_by_length(const PosePath& truth, const PosePath& estimate)
   return result;
 }
 
+/// What vision measured between neighbouring frames.
+std::vector<RelativeMotion> steps_of_vision(const SlamResult& result) {
+  std::vector<RelativeMotion> motions;
+  for (const pgo::VisualEdge& edge : result.graph_data.visual_edges) {
+    if (edge.to == edge.from + 1) motions.push_back(edge.motion);
+  }
+  return motions;
+}
+
 /// The truth as a trajectory of the body in the world of the graph, over the time of the run.
 Trajectory truth_in_graph_world(const PosePath& truth,
                                 const evaluation::Similarity& to_truth_world,
@@ -82,6 +91,7 @@ RunEvaluation evaluate_run(const SlamResult& result,
     run.graph.ate_posyaw_rmse_m.reset();
     run.vo.ate_posyaw_rmse_m.reset();
   }
+  run.vo_consistency = evaluation::motion_consistency(steps_of_vision(result), truth, T_body_truth);
   run.graph_by_length = errors_by_length(truth, graph);
   run.vo_by_length = errors_by_length(truth, vo);
   run.truth = truth_in_graph_world(truth, run.graph.se3, T_body_truth, result.graph);

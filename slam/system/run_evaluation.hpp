@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "slam/evaluation/evaluate.hpp"
+#include "slam/evaluation/motion_consistency.hpp"
 #include "slam/sensors/trajectory.hpp"
 #include "slam/system/slam_result.hpp"
 
@@ -18,6 +19,7 @@ struct RunEvaluation {
   evaluation::Evaluation vo;
   evaluation::Evaluation graph;
   std::optional<evaluation::Evaluation> online;
+  std::optional<evaluation::MotionConsistency> vo_consistency;  ///< of the edges between frames
   ErrorsByLength vo_by_length;
   ErrorsByLength graph_by_length;
   Trajectory truth;  ///< T_world_body in the world of the graph, for the report

@@ -30,6 +30,15 @@ Json error_block(const evaluation::Evaluation& e) {
   return block;
 }
 
+Json consistency_block(const evaluation::MotionConsistency& c) {
+  return {{"motions", c.motions},
+          {"nees_mean", number(c.nees_mean)},
+          {"nees_median", number(c.nees_median)},
+          {"nees_translation_mean", number(c.nees_translation_mean)},
+          {"nees_rotation_mean", number(c.nees_rotation_mean)},
+          {"share_inside_95", number(c.share_inside)}};
+}
+
 Json vector3(const Eigen::Vector3d& v) { return {number(v.x()), number(v.y()), number(v.z())}; }
 
 Json calibration_block(const SlamResult& result) {
@@ -171,6 +180,9 @@ Json metrics_json(const SlamResult& result,
       {"warnings", result.warnings}};
   if (evaluation) {
     metrics["vo"] = error_block(evaluation->vo);
+    if (evaluation->vo_consistency) {
+      metrics["vo"]["consistency"] = consistency_block(*evaluation->vo_consistency);
+    }
     metrics["graph"] = error_block(evaluation->graph);
     if (evaluation->online) metrics["online"] = error_block(*evaluation->online);
     for (const std::string& warning : evaluation->graph.warnings) {
@@ -214,6 +226,38 @@ Json series_json(const SlamResult& result, const std::optional<RunEvaluation>& e
   return series;
 }
 
+namespace {
+
+/// What was found out about the calibration, a line each, with standard deviations where known.
+std::string calibration_lines(const Json& calibration) {
+  struct Line {
+    const char* key;
+    const char* sigma_key;
+    const char* label;
+    double factor;
+    int digits;
+  };
+  constexpr std::array<Line, 3> kLines = {
+      {{"disparity_offset_px", "disparity_offset_sigma_px", "Disparity offset [px]", 1.0, 3},
+       {"focal_error", "focal_error_sigma", "Focal length, error [%]", 100.0, 3},
+       {"time_offset_s", "time_offset_sigma_s", "Time offset [ms]", 1000.0, 2}}};
+  std::string text;
+  for (const Line& line : kLines) {
+    const Json value = calibration.value(line.key, Json());
+    const Json sigma = calibration.value(line.sigma_key, Json());
+    if (value.is_null()) continue;
+    text +=
+        fmt::format("{:<28}{:>12.{}f}", line.label, line.factor * value.get<double>(), line.digits);
+    if (!sigma.is_null()) {
+      text += fmt::format(" +- {:.{}f}", line.factor * sigma.get<double>(), line.digits);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace
+
 std::string metrics_table(const Json& metrics) {
   struct Row {
     const char* key;
@@ -234,6 +278,7 @@ std::string metrics_table(const Json& metrics) {
       metrics.at("dataset").get<std::string>(), metrics.at("frames").get<int>(),
       metrics.at("path_length_m").get<double>(), metrics.at("duration_s").get<double>(),
       metrics.at("frames_per_second").get<double>(), 100.0 * metrics.at("coverage").get<double>());
+  table += calibration_lines(metrics.value("calibration", Json::object()));
   if (!metrics.contains("graph")) return table + "no ground truth: no errors to report\n";
   std::vector<std::string> columns = {"vo", "graph"};
   if (metrics.contains("online")) columns.emplace_back("online");

@@ -1,5 +1,6 @@
 #include "slam/training/flow_scene.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
 
 namespace imslam::training {

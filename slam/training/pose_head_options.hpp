@@ -9,8 +9,11 @@ namespace imslam::training {
 /// Supervised training of the pose head on synthetic flow fields.
 struct PoseHeadTrainingOptions : TrainingOptions {
   PoseHeadTrainingOptions() {
-    batch = 8;
-    rate = 1e-3;
+    steps = 10000;
+    batch = 4;
+    rate = 2e-3;
+    warm_up = 200;
+    validation_every = 500;
     validation_samples = 1024;
   }
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "tests/support/degradation.hpp"
-#include "tests/support/run_check.hpp"
+#include "tests/support/median_check.hpp"
 
 namespace imslam {
 namespace {
@@ -13,13 +13,12 @@ namespace {
 using testing::Chaos;
 using testing::Degradation;
 using testing::expect_error_within;
+using testing::expect_median_error_within;
 using testing::run_checked;
 using testing::TempDir;
 
 /// The aim is 1.5. These rows the klt front end does not hold.
 double bound_of(const std::string& name) {
-  if (name == "Blur") return 2.0;
-  if (name == "Noise") return 2.0;
   if (name == "Blots") return 8.0;
   if (name == "DirtyLens") return 4.0;
   return 1.5;
@@ -28,12 +27,21 @@ double bound_of(const std::string& name) {
 class Degraded : public ::testing::TestWithParam<Degradation> {};
 
 TEST_P(Degraded, CostsHalfAtSeverityThreeOrItsKnownShortfall) {
-  TempDir dir;
+  const std::string name = GetParam().name;
+  const TempDir dir;
+  const bool weighs_on_the_scale = name == "Blur" || name == "Noise" || name == "Blots";
+  if (weighs_on_the_scale) {
+    expect_median_error_within(bound_of(name), dir,
+                               [](Chaos& chaos) { GetParam().spoil(chaos, 3); });
+    return;
+  }
+  // Dirt that stays where it is can capture the odometry where nothing else is as rich in contrast:
+  // it does in the second to fifth recording.
   Chaos chaos(testing::simulated_base().sequence, dir.path() / "spoiled");
   GetParam().spoil(chaos, 3);
   const auto spoiled = run_checked(dir, chaos.folder());
   EXPECT_EQ(spoiled.counter("frames_degraded"), 0);
-  expect_error_within(bound_of(GetParam().name), spoiled);
+  expect_error_within(bound_of(name), spoiled);
 }
 
 INSTANTIATE_TEST_SUITE_P(Images,

@@ -213,6 +213,21 @@ TEST_F(OddRecording, WithoutImuItRunsOnVision) {  // M16
   EXPECT_FALSE(run.metrics.at("inertial").get<bool>());
 }
 
+TEST_F(OddRecording, SaysHowSureTheCalibrationIs) {
+  const auto run = run_checked(dir_, folder(), kShort);
+  const auto& calibration = run.metrics.at("calibration");
+  for (const char* key :
+       {"disparity_offset_sigma_px", "focal_error_sigma", "time_offset_sigma_s"}) {
+    ASSERT_TRUE(calibration.at(key).is_number()) << key;
+    EXPECT_GT(calibration.at(key).get<double>(), 0.0) << key;
+  }
+  EXPECT_LT(calibration.at("focal_error_sigma").get<double>(), 0.02);  // less than the prior's
+  const std::string& table = run.command.out;
+  const auto line = table.find("Focal length, error [%]");
+  ASSERT_NE(line, std::string::npos) << table;
+  EXPECT_LT(table.find(" +- ", line), table.find('\n', line)) << table;
+}
+
 TEST_F(OddRecording, WithoutTruthThereAreNoErrorsToReport) {  // M16
   fs::remove_all(chaos_.mav0() / "state_groundtruth_estimate0");
   const auto run = run_checked(dir_, folder(), kShort);

@@ -2,13 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cmath>
 #include <set>
 
 #include "slam/base/error.hpp"
 #include "slam/base/parallel.hpp"
-#include "tests/vo_net/synthetic_images.hpp"
+#include "tests/vo_net/match_errors.hpp"
 #include "vo_net/corner_detector.hpp"
 
 namespace imslam::vo {
@@ -17,6 +15,7 @@ namespace {
 using testing::noise_image;
 using testing::PlaneWorld;
 using testing::pose_of_frame;
+using testing::quantile;
 using testing::small_camera;
 using testing::time_of_frame;
 using testing::uniform_image;
@@ -27,34 +26,13 @@ KltOptions small_options() {
   return options;
 }
 
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values.at(static_cast<std::size_t>(share * static_cast<double>(values.size() - 1)));
-}
-
-struct Errors {
-  std::vector<double> flow;
-  std::vector<double> disparity;
-};
-
-/// Against what the plane and the poses say.
-Errors errors_of(const FrameMatch& match,
-                 const PlaneWorld& world,
-                 const StereoCamera& camera,
-                 int frame0,
-                 int frame1) {
-  Errors errors;
-  const lie::SE3d T_left1_left0 = pose_of_frame(frame1).inverse() * pose_of_frame(frame0);
-  for (const Correspondence& c : match.correspondences) {
-    const double z = world.depth(camera, pose_of_frame(frame0), c.left0.x(), c.left0.y());
-    const double disparity0 = camera.fx * camera.baseline_m / z;
-    const Eigen::Vector3d uvd =
-        camera.project(T_left1_left0 * camera.back_project({c.left0.x(), c.left0.y(), disparity0}));
-    errors.flow.push_back((c.left1 - uvd.head<2>()).norm());
-    errors.disparity.push_back(std::abs(c.disparity0 - disparity0));
-    errors.disparity.push_back(std::abs(c.disparity1 - uvd.z()));
-  }
-  return errors;
+testing::MatchErrors errors_of(const FrameMatch& match,
+                               const PlaneWorld& world,
+                               const StereoCamera& camera,
+                               int frame0,
+                               int frame1) {
+  return testing::errors_of(match.correspondences, world, camera, pose_of_frame(frame0),
+                            pose_of_frame(frame1));
 }
 
 TEST(KltMatcher, FollowsATexturedPlaneToAFewHundredthsOfAPixel) {
@@ -70,7 +48,7 @@ TEST(KltMatcher, FollowsATexturedPlaneToAFewHundredthsOfAPixel) {
     }
     EXPECT_EQ(result.previous.time0_ns, time_of_frame(i - 1));
     ASSERT_GT(result.previous.correspondences.size(), 120U);
-    const Errors errors = errors_of(result.previous, world, camera, i - 1, i);
+    const testing::MatchErrors errors = errors_of(result.previous, world, camera, i - 1, i);
     EXPECT_LT(quantile(errors.flow, 0.5), 0.04);
     EXPECT_LT(quantile(errors.flow, 0.95), 0.2);
     EXPECT_LT(quantile(errors.disparity, 0.5), 0.04);
@@ -184,7 +162,7 @@ TEST(KltMatcher, KeyframeMatchesReachBackSeveralFrames) {
       EXPECT_GE(i - frame0, 2);
       EXPECT_LE(i - frame0, 4);
       ASSERT_GT(earlier.correspondences.size(), 60U);
-      const Errors errors = errors_of(earlier, world, camera, frame0, i);
+      const testing::MatchErrors errors = errors_of(earlier, world, camera, frame0, i);
       EXPECT_LT(quantile(errors.flow, 0.5), 0.12) << frame0 << " " << i;
       ++seen;
     }

@@ -4,45 +4,22 @@
 #include <cmath>
 
 #include "slam/base/parallel.hpp"
-#include "slam/nn/training/data_parallel.hpp"
-#include "slam/nn/training/gradients.hpp"
-#include "slam/nn/training/optimizer.hpp"
-#include "slam/nn/training/schedule.hpp"
-#include "tests/vo_net/match_fixture.hpp"
+#include "tests/vo_net/match_training.hpp"
 
 namespace imslam::vo {
 namespace {
 
-using imslam::testing::cast_truth;
 using imslam::testing::Displacement;
 using imslam::testing::match_pair;
 using imslam::testing::parameters_of;
-using imslam::testing::random_points;
-using imslam::testing::TexturedPair;
 using imslam::testing::tiny_match_network;
-using imslam::testing::truth_at;
+using Sample = imslam::testing::MatchSample;
 using nn::Index;
 using nn::Tape;
 using nn::Tensor;
 using nn::Var;
 
-constexpr Index kHeight = 96;
-constexpr Index kWidth = 112;
-constexpr Index kPoints = 60;
-
-struct Sample {
-  MatchKind kind;
-  TexturedPair pair;
-  Tensor<double> points;
-  MatchTruth<double> truth;
-
-  Sample(MatchKind what, std::uint64_t seed, imslam::testing::DisplacementField field)
-      : kind(what), pair(seed, kHeight, kWidth, std::move(field)) {
-    Random random(seed + 100);
-    points = random_points(random, kPoints, kHeight, kWidth, 20.0);
-    truth = truth_at(pair, points, kind);
-  }
-};
+constexpr Index kPoints = Sample::kPoints;
 
 /// One pair over time that turns and grows, one stereo pair of a slanted plane.
 std::vector<Sample> two_pairs() {
@@ -54,26 +31,6 @@ std::vector<Sample> two_pairs() {
     return Displacement{-11.7 - 0.06 * y, 0.0};
   });
   return samples;
-}
-
-void train(MatchNetwork<float>& network, const std::vector<Sample>& samples, int steps) {
-  const nn::ParameterList<float> parameters = parameters_of(network);
-  nn::DataParallel<float> batch(parameters, 2);
-  nn::Adam<float> optimizer;
-  nn::Gradients<float> gradients = nn::zero_gradients(parameters);
-  const nn::CosineSchedule schedule{6e-3, steps, std::min(steps, 10)};
-  for (int step = 0; step < steps; ++step) {
-    batch.run(
-        samples.size(),
-        [&](Tape<float>& tape, std::size_t i) {
-          const Sample& s = samples[i];
-          const NetworkMatch match = match_pair(tape, network, s.pair, s.points, s.kind);
-          return match_loss(tape, match, cast_truth<float>(s.truth)).total;
-        },
-        gradients);
-    nn::clip_global_norm(gradients, 5.0);
-    optimizer.step(parameters, gradients, schedule.rate(step));
-  }
 }
 
 double median_error(MatchNetwork<float>& network, const Sample& s) {
@@ -98,7 +55,8 @@ TEST(MatchTraining, LearnsTwoPairsToHalfAPixel) {
   Random random(31);
   MatchNetwork<float> network(tiny_match_network(), random);
   const std::vector<Sample> samples = two_pairs();
-  train(network, samples, 300);
+  imslam::testing::train(
+      network, [&](int) { return samples; }, 300);
   for (const Sample& s : samples) {
     const double error = median_error(network, s);
     RecordProperty(s.kind == MatchKind::kFlow ? "flow_px" : "stereo_px", std::to_string(error));
@@ -112,7 +70,8 @@ TEST(MatchTraining, GivesTheSameBytesForAnyNumberOfThreads) {
     set_thread_count(threads);
     Random random(31);
     MatchNetwork<float> network(tiny_match_network(), random);
-    train(network, samples, 3);
+    imslam::testing::train(
+        network, [&](int) { return samples; }, 3);
     set_thread_count(0);
     return network;
   };

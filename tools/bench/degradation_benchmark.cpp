@@ -1,13 +1,17 @@
-// How accuracy falls as images get worse: every degradation of tests/support/degradation.hpp at
-// severities 1 to 5, as the error of the graph over that of the unspoiled run.
+// How accuracy falls as images get worse: every condition of sequence_conditions.hpp at severities
+// 1 to 5, for several front ends.
 //
-//   degradation_benchmark IMSLAM FOLDER [NAME...]
+//   degradation_benchmark IMSLAM FOLDER [--front-ends klt,learned] [--conditions dark,noise,...]
+//                         [--severities 1,2,3,4,5] [--json FILE] [--more='--imu off']
 //
-// FOLDER: a EuRoC folder with truth, e.g. made by `imslam simulate`. NAME: only these degradations.
-// The seed is fixed: same folder, same table.
+// FOLDER: a EuRoC folder with truth, e.g. made by `imslam simulate`. ATE (SE3) of vision alone and
+// of the graph in millimetres; in brackets the frames where vision failed. The seed is fixed: same
+// folder, same table.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -17,71 +21,120 @@
 #include <string>
 #include <vector>
 
-#include "tests/support/degradation.hpp"
+#include "tools/bench/sequence_conditions.hpp"
 
-namespace imslam {
+namespace imslam::bench {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Outcome {
-  std::optional<double> ate_m;  ///< empty: nothing that could be evaluated came out
-  int failures = 0;             ///< of vision, and frames that are degraded
+struct Settings {
+  std::string imslam;
+  fs::path folder;
+  std::vector<std::string> front_ends{"klt", "learned"};
+  std::vector<std::string> conditions;
+  std::vector<int> severities{1, 2, 3, 4, 5};
+  std::vector<std::string> more;
+  fs::path json;
 };
 
-Outcome run(const std::string& imslam, const fs::path& folder, const fs::path& out) {
-  fs::remove_all(out);
-  const std::string command = fmt::format("'{}' run '{}' --quiet --out '{}' >/dev/null", imslam,
-                                          folder.string(), out.string());
-  if (std::system(command.c_str()) == -1) throw std::runtime_error("cannot run " + imslam);
-  std::ifstream stream(out / "metrics.json");
-  const auto metrics = nlohmann::json::parse(stream);
-  const auto& counters = metrics.at("counters");
-  const auto& ate_m = metrics.at("graph").at("ate_se3_rmse_m");
-  return {ate_m.is_null() ? std::nullopt : std::optional(ate_m.get<double>()),
-          counters.at("vo_failures").get<int>() + counters.at("frames_degraded").get<int>()};
+struct Outcome {
+  std::optional<double> vo_m;  ///< empty: nothing that could be evaluated came out
+  std::optional<double> graph_m;
+  int failures = 0;
+};
+
+std::optional<double> ate(const nlohmann::json& metrics, const char* part) {
+  if (!metrics.contains(part)) return std::nullopt;
+  const auto& number = metrics.at(part).at("ate_se3_rmse_m");
+  return number.is_null() ? std::nullopt : std::optional(number.get<double>());
 }
 
-void print_table(const std::string& imslam,
-                 const fs::path& folder,
-                 const std::vector<std::string>& names) {
+Outcome run(const Settings& settings,
+            const std::string& front_end,
+            const fs::path& folder,
+            const fs::path& out) {
+  fs::remove_all(out);
+  const std::string command = fmt::format(
+      "'{}' run '{}' --quiet --front-end {} --out '{}' {} >/dev/null 2>&1", settings.imslam,
+      folder.string(), front_end, out.string(), fmt::join(settings.more, " "));
+  if (std::system(command.c_str()) == -1) throw std::runtime_error("cannot run " + settings.imslam);
+  std::ifstream stream(out / "metrics.json");
+  if (!stream) return {};
+  const auto metrics = nlohmann::json::parse(stream);
+  return {ate(metrics, "vo"), ate(metrics, "graph"),
+          metrics.at("counters").at("vo_failures").get<int>()};
+}
+
+std::string text(const std::optional<double>& metres) {
+  return metres ? fmt::format("{:.1f}", 1e3 * *metres) : "lost";
+}
+
+/// One row of the table, and the same for machines.
+void print_row(const Settings& settings,
+               const std::string& name,
+               int severity,
+               const fs::path& folder,
+               const fs::path& out,
+               nlohmann::json& all) {
+  fmt::print("| {} {} |", name, severity == 0 ? "" : std::to_string(severity));
+  for (const std::string& front_end : settings.front_ends) {
+    const Outcome outcome = run(settings, front_end, folder, out);
+    fmt::print(" {} ({}) | {} |", text(outcome.vo_m), outcome.failures, text(outcome.graph_m));
+    nlohmann::json row{{"condition", name},
+                       {"severity", severity},
+                       {"front_end", front_end},
+                       {"vo_failures", outcome.failures}};
+    row["vo_ate_m"] = outcome.vo_m ? nlohmann::json(*outcome.vo_m) : nlohmann::json();
+    row["graph_ate_m"] = outcome.graph_m ? nlohmann::json(*outcome.graph_m) : nlohmann::json();
+    all.push_back(row);
+  }
+  fmt::print("\n");
+  std::fflush(stdout);
+}
+
+void print_table(const Settings& settings) {
   const fs::path scratch = fs::temp_directory_path() / fmt::format("imslam_bench_{}", ::getpid());
   fs::create_directories(scratch);
-  const Outcome clean = run(imslam, folder, scratch / "run");
-  if (!clean.ate_m) throw std::runtime_error("the unspoiled run has no error: is there a truth?");
-  fmt::print("unspoiled: ATE {:.4f} m. Error over the unspoiled one (failed frames):\n{:<10}",
-             *clean.ate_m, "severity");
-  for (int severity = 1; severity <= 5; ++severity) fmt::print("{:>14}", severity);
-  fmt::print("\n");
-  for (const testing::Degradation& degradation : testing::degradations()) {
-    const bool wanted = names.empty() || std::count(names.begin(), names.end(), degradation.name);
-    if (!wanted) continue;
-    fmt::print("{:<10}", degradation.name);
-    for (int severity = 1; severity <= 5; ++severity) {
+  std::string head = "| ATE [mm] |";
+  std::string line = "|---|";
+  for (const std::string& front_end : settings.front_ends) {
+    head += fmt::format(" {} VO (failures) | {} graph |", front_end, front_end);
+    line += "---|---|";
+  }
+  fmt::print("{}\n{}\n", head, line);
+  nlohmann::json all = nlohmann::json::array();
+  print_row(settings, "clean", 0, settings.folder, scratch / "run", all);
+  for (const SequenceCondition& condition : sequence_conditions()) {
+    const bool wanted =
+        settings.conditions.empty() ||
+        std::count(settings.conditions.begin(), settings.conditions.end(), condition.name) > 0;
+    for (const int severity : wanted ? settings.severities : std::vector<int>()) {
       fs::remove_all(scratch / "spoiled");
-      testing::Chaos chaos(folder, scratch / "spoiled");
-      degradation.spoil(chaos, severity);
-      const Outcome spoiled = run(imslam, chaos.folder(), scratch / "run");
-      const std::string ratio =
-          spoiled.ate_m ? fmt::format("{:.2f}", *spoiled.ate_m / *clean.ate_m) : "lost";
-      fmt::print("{:>8} {:<5}", ratio, fmt::format("({})", spoiled.failures));
-      std::fflush(stdout);
+      condition.spoil(settings.folder, scratch / "spoiled", severity);
+      print_row(settings, condition.name, severity, scratch / "spoiled", scratch / "run", all);
     }
-    fmt::print("\n");
   }
   fs::remove_all(scratch);
+  if (!settings.json.empty()) std::ofstream(settings.json) << all.dump(1) << '\n';
 }
 
 }  // namespace
-}  // namespace imslam
+}  // namespace imslam::bench
 
 int main(int argc, char** argv) {
-  if (argc < 3) {
-    fmt::print(stderr, "degradation_benchmark IMSLAM FOLDER [NAME...]\n");
-    return 2;
-  }
+  imslam::bench::Settings settings;
+  CLI::App app("Accuracy of imslam under worse and worse images");
+  app.add_option("imslam", settings.imslam, "The executable")->required();
+  app.add_option("folder", settings.folder, "EuRoC folder with truth")->required();
+  app.add_option("--front-ends", settings.front_ends)->delimiter(',');
+  app.add_option("--conditions", settings.conditions)->delimiter(',');
+  app.add_option("--severities", settings.severities)->delimiter(',')->check(CLI::Range(1, 5));
+  app.add_option("--json", settings.json);
+  app.add_option("--more", settings.more, "More arguments of imslam run, e.g. --more='--imu off'");
+  CLI11_PARSE(app, argc, argv);
   try {
-    imslam::print_table(argv[1], argv[2], {argv + 3, argv + argc});
+    imslam::bench::print_table(settings);
   } catch (const std::exception& error) {
     fmt::print(stderr, "{}\n", error.what());
     return 1;

@@ -123,6 +123,38 @@ TEST(EstimateBatch, TheGyroTellsHowFarTheFocalLengthIsOff) {
   const auto estimate = estimate_batch(measurements, {}, {});
   ASSERT_TRUE(estimate.focal_error.has_value());
   EXPECT_NEAR(estimate.focal_error->value, 0.02, 0.002);
+  ASSERT_TRUE(estimate.focal_error->sigma.has_value());
+  EXPECT_LT(*estimate.focal_error->sigma, 0.5 * SlamOptions().system.focal_error_prior);
+  EXPECT_NEAR(estimate.focal_error->value, 0.02, 4.0 * *estimate.focal_error->sigma);
+}
+
+/// As if the images within [from_s, to_s) were shown backwards.
+void reverse_odometry(Measurements& measurements, double from_s, double to_s) {
+  for (RelativeMotion& motion : measurements.odometry) {
+    if (motion.time0_ns < imu::testing::stamp(from_s) ||
+        motion.time1_ns > imu::testing::stamp(to_s)) {
+      continue;
+    }
+    motion.T_body0_body1 = motion.T_body0_body1.inverse();
+  }
+}
+
+TEST(EstimateBatch, WhereVisionContradictsTheGyroTheImuBridges) {
+  const SineWorld world;
+  Measurements measurements = world.measure();
+  reverse_odometry(measurements, 2.5, 3.5);
+  const auto estimate = estimate_batch(measurements, {}, {});
+  EXPECT_GT(std::count(estimate.conflict.begin(), estimate.conflict.end(), true), 15);
+  EXPECT_LT(estimate.report.cost / estimate.report.residuals, 0.5);
+  EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 0.02);
+}
+
+TEST(EstimateBatch, WhereTheyContradictEachOtherThroughoutNeitherIsLeftOut) {
+  const SineWorld world;
+  Measurements measurements = world.measure();
+  reverse_odometry(measurements, 0.0, 6.0);
+  const auto estimate = estimate_batch(measurements, {}, {});
+  EXPECT_EQ(estimate.graph.visual_edges.size(), measurements.odometry.size());
 }
 
 TEST(EstimateBatch, ThePublishedPresetSolvesWindowByWindow) {
