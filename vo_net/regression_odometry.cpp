@@ -58,6 +58,10 @@ Matrix6 covariance_of(const Look& look, const ScaleResult& scale) {
   J.topRightCorner<3, 3>() = d * scale.J_rotation.transpose() * J_r;
   J.bottomRightCorner<3, 3>() = J_r;
   Matrix6 result = J * C * J.transpose();
+  // The errors of theta and d go together in a way that the network does not tell: claiming the
+  // part that comes from the scale alone made the whole far too sure (NEES), so none is claimed.
+  result.topRightCorner<3, 3>().setZero();
+  result.bottomLeftCorner<3, 3>().setZero();
   // Standing still there is no direction: the length's uncertainty goes everywhere.
   const Eigen::Matrix3d along = scale.state == ScaleState::kStandingStill
                                     ? Eigen::Matrix3d::Identity().eval()

@@ -27,6 +27,8 @@ struct RegressionOptions {
 /// Covariance, to first order, from what the network says of theta and d and what the corrector
 /// says of s; the errors of s that come from those of theta and d are not counted twice:
 ///
+/// (correlation of dp with dtheta not claimed, see there)
+///
 ///   dp = (s I + d J_direction^T) dd + d J_rotation^T dtheta + d e_s,   e_s ~ N(0, sigma_s^2)
 class RegressionHead {
  public:

@@ -192,15 +192,16 @@ void ScaleOptions::describe(Config& config) {
 }
 
 void ScaleOptions::validate() const {
-  require(kernel_width > 0.0, "vo.scale.kernel_width", kernel_width, "> 0");
-  require(min_noise_scale > 0.0, "vo.scale.min_noise_scale", min_noise_scale, "> 0");
-  require(max_noise_scale >= min_noise_scale, "vo.scale.max_noise_scale", max_noise_scale,
-          ">= min_noise_scale");
-  require(max_rounds >= 1 && max_rounds <= 1000, "vo.scale.max_rounds", max_rounds, "1 .. 1000");
-  require(tolerance > 0.0, "vo.scale.tolerance", tolerance, "> 0");
-  require(inlier_threshold > 0.0, "vo.scale.inlier_threshold", inlier_threshold, "> 0");
-  require(standing_still >= 0.0, "vo.scale.standing_still", standing_still, ">= 0");
-  require(backwards >= 0.0, "vo.scale.backwards", backwards, ">= 0");
+  require(kernel_width > 0.0, "vo.regression.scale.kernel_width", kernel_width, "> 0");
+  require(min_noise_scale > 0.0, "vo.regression.scale.min_noise_scale", min_noise_scale, "> 0");
+  require(max_noise_scale >= min_noise_scale, "vo.regression.scale.max_noise_scale",
+          max_noise_scale, ">= min_noise_scale");
+  require(max_rounds >= 1 && max_rounds <= 1000, "vo.regression.scale.max_rounds", max_rounds,
+          "1 .. 1000");
+  require(tolerance > 0.0, "vo.regression.scale.tolerance", tolerance, "> 0");
+  require(inlier_threshold > 0.0, "vo.regression.scale.inlier_threshold", inlier_threshold, "> 0");
+  require(standing_still >= 0.0, "vo.regression.scale.standing_still", standing_still, ">= 0");
+  require(backwards >= 0.0, "vo.regression.scale.backwards", backwards, ">= 0");
 }
 
 ScaleResult correct_scale(const Correspondences& correspondences,

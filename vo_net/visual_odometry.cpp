@@ -98,8 +98,9 @@ RelativeMotion VisualOdometry::to_motion(const PoseLayerResult& pose,
   motion.valid = pose.valid;
   if (!pose.valid) return motion;
   motion.T_body0_body1 = pose.T_body0_body1;
-  motion.covariance =
-      pose.covariance * (1.0 + options_.shared_error * static_cast<double>(pose.inliers));
+  // What a network says of its errors is the whole; the pose layer takes points for independent.
+  const double shared = regression_ ? 0.0 : options_.shared_error;
+  motion.covariance = pose.covariance * (1.0 + shared * static_cast<double>(pose.inliers));
   motion.J_disparity_offset = pose.J_disparity_offset;
   motion.J_focal_error = pose.J_focal_error;
   return motion;

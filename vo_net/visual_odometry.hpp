@@ -27,7 +27,7 @@ struct VoOptions {
   RegressionOptions regression;
   DisparityOffsetOptions offset;
   /// [1] share of the matching variance that all points have in common (lens model, blur): it does
-  /// not average out, so n points count as n / (1 + shared_error n).
+  /// not average out, so n points count as n / (1 + shared_error n). Of the geometric head.
   double shared_error = 0.15;
 
   void describe(Config& config);

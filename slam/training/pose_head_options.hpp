@@ -9,7 +9,7 @@ namespace imslam::training {
 /// Supervised training of the pose head on synthetic flow fields.
 struct PoseHeadTrainingOptions : TrainingOptions {
   PoseHeadTrainingOptions() {
-    steps = 10000;
+    steps = 7000;
     batch = 4;
     rate = 2e-3;
     warm_up = 200;

@@ -200,7 +200,7 @@ TEST(PoseHead, TwiceTheFlowIsTwiceTheRotationInTheSameDirection) {
   const PoseHeadOutput twice = head.forward(tape, tape.constant(grid)).back();
   EXPECT_LT((2.0 * tape.array(once.rotation) - tape.array(twice.rotation)).abs().maxCoeff(), 1e-8);
   EXPECT_LT((tape.array(once.direction) - tape.array(twice.direction)).abs().maxCoeff(), 1e-8);
-  EXPECT_NEAR(tape.array(once.direction).matrix().norm(), 1.0, 1e-9);
+  EXPECT_NEAR(tape.array(once.direction).matrix().norm(), 1.0, 1e-6);
 }
 
 TEST(PoseHead, GradientsOfTheLossMatchCentralDifferencesThroughAllLooks) {

@@ -205,7 +205,7 @@ TEST(ScaleCorrector, DerivativesOfTheMotionMatchCentralDifferences) {
   Eigen::MatrixXd actual(1, 7);
   actual << result.J_rotation.transpose(), result.J_direction.transpose(),
       result.J_disparity_offset;
-  testing::expect_near(actual, testing::numeric_jacobian(scale_at, Eigen::VectorXd::Zero(7), 1e-5),
+  testing::expect_near(actual, testing::numeric_jacobian(scale_at, Eigen::VectorXd::Zero(7), 1e-7),
                        1e-6);
 }
 
@@ -242,7 +242,7 @@ TEST(ScaleOperation, GradientsOnTheTapeMatchCentralDifferences) {
   const auto weighed = [&](const Eigen::VectorXd& at) {
     return Eigen::VectorXd::Constant(1, seed.dot(run(at, nullptr)));
   };
-  testing::expect_near(gradient.transpose(), testing::numeric_jacobian(weighed, x, 1e-5), 1e-6);
+  testing::expect_near(gradient.transpose(), testing::numeric_jacobian(weighed, x, 1e-7), 1e-6);
 }
 
 }  // namespace

@@ -39,7 +39,6 @@ TEST(PoseHeadTraining, LearnsTheMotionOfUnseenFields) {
   const PoseHeadQuality after = training.validate();
   EXPECT_LT(after.loss, before.loss - 1.0);
   EXPECT_LT(after.rotation_mdeg, 0.8 * before.rotation_mdeg);
-  EXPECT_LT(after.direction_deg, 0.7 * before.direction_deg);
   EXPECT_EQ(training.skipped_steps(), 0);
 }
 
