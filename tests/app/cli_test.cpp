@@ -79,7 +79,8 @@ TEST(CommandLine, EveryShippedConfigurationLoads) {
     // Trainings have options of their own: train_vo.yaml is for `imslam train vo`.
     const std::string name = entry.path().stem().string();
     const bool training = name.rfind("train_", 0) == 0;
-    const std::string command = training ? "train " + name.substr(6) + " --list" : "config validate";
+    const std::string command =
+        training ? "train " + name.substr(6) + " --list" : "config validate";
     const auto result =
         run_imslam(dir, command + " --config " + testing::quoted(entry.path().string()));
     EXPECT_EQ(result.exit_code, 0) << result.err;
