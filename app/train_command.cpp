@@ -11,6 +11,8 @@
 #include "slam/base/config.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/progress.hpp"
+#include "slam/training/pose_head_training.hpp"
+#include "slam/training/pretrain_vo.hpp"
 #include "slam/training/training_run.hpp"
 
 namespace imslam::app {
@@ -21,10 +23,11 @@ constexpr const char* kExamples =
     "  imslam train vo --config train_vo                 the shipped weights, from nothing\n"
     "  imslam train vo --config train_vo --resume        go on after a stop, bit by bit\n"
     "  imslam train vo --out runs/short --set steps=500 --set batch=8\n"
+    "  imslam train pose_head --config train_pose_head   the regression head, from nothing\n"
     "`imslam train vo --list` prints every key with its default and meaning.";
 
 struct TrainArguments {
-  std::string out = "runs/train_vo";
+  std::string out;
   std::string start;
   std::vector<std::string> files;
   std::vector<std::string> assignments;
@@ -39,8 +42,12 @@ std::string joined(const std::vector<std::string>& words) {
   return line;
 }
 
-ExitCode train_vo(const TrainArguments& arguments, const CommonOptions& common) {
-  training::PretrainVoOptions options;
+/// Training: a NetworkTraining made from Options.
+template <typename Training, typename Options>
+ExitCode train(const std::string& title,
+               const TrainArguments& arguments,
+               const CommonOptions& common) {
+  Options options;
   Config config;
   config.section("train", options);
   for (const std::string& file : arguments.files) config.load_file(find_config(file));
@@ -58,7 +65,7 @@ ExitCode train_vo(const TrainArguments& arguments, const CommonOptions& common) 
   request.command = joined(common.command_line);
 
   const HeldInterrupts held;
-  ProgressBar bar("train vo", !common.quiet);
+  ProgressBar bar(title, !common.quiet);
   request.keep_going = [&](int done, int steps, const std::string& note) {
     bar.update(static_cast<std::size_t>(done), static_cast<std::size_t>(steps), note);
     return !interrupted();
@@ -67,7 +74,7 @@ ExitCode train_vo(const TrainArguments& arguments, const CommonOptions& common) 
     bar.clear();
     log::info("{}", line);
   };
-  const auto outcome = training::run_pretraining(options, request);
+  const auto outcome = training::run_training<Training>(options, request);
   bar.clear();
   if (outcome.skipped > 0) {
     log::warn("{} of {} steps had a gradient that is not finite and were left out", outcome.skipped,
@@ -79,25 +86,42 @@ ExitCode train_vo(const TrainArguments& arguments, const CommonOptions& common) 
   return outcome.stopped ? ExitCode::kInterrupted : ExitCode::kOk;
 }
 
+/// One subcommand per network.
+template <typename Training, typename Options>
+void add_network(CLI::App& parent,
+                 const std::string& name,
+                 const std::string& description,
+                 Action& action,
+                 const CommonOptions& common) {
+  auto* command = parent.add_subcommand(name, description);
+  command->footer(kExamples);
+  auto arguments = std::make_shared<TrainArguments>();
+  arguments->out = "runs/train_" + name;
+  command->add_option("--out", arguments->out, "Folder of the training")->capture_default_str();
+  command->add_option("-c,--config", arguments->files,
+                      "YAML file(s), or the name of a shipped one");
+  command->add_option("--set", arguments->assignments, "Override one key")->type_name("KEY=VALUE");
+  command->add_option("--start", arguments->start, "Weights to begin with")->type_name("FILE");
+  command->add_flag("--resume", arguments->resume, "Go on with the training in --out");
+  command->add_flag("--force", arguments->force, "Throw an earlier training in --out away");
+  command->add_flag("--list", arguments->list, "Print all keys and stop");
+  command->callback([&action, name, arguments, &common] {
+    action = [name, arguments, &common] {
+      return train<Training, Options>("train " + name, *arguments, common);
+    };
+  });
+}
+
 }  // namespace
 
 void add_train_command(CLI::App& app, Action& action, const CommonOptions& common) {
   auto* command = app.add_subcommand("train", "Train a network from nothing, without real data");
   command->require_subcommand(1);
   command->footer(kExamples);
-  auto* vo = command->add_subcommand("vo", "The matching network of the stereo front end");
-  vo->footer(kExamples);
-  auto arguments = std::make_shared<TrainArguments>();
-  vo->add_option("--out", arguments->out, "Folder of the training")->capture_default_str();
-  vo->add_option("-c,--config", arguments->files, "YAML file(s), or the name of a shipped one");
-  vo->add_option("--set", arguments->assignments, "Override one key")->type_name("KEY=VALUE");
-  vo->add_option("--start", arguments->start, "Weights to begin with")->type_name("FILE");
-  vo->add_flag("--resume", arguments->resume, "Go on with the training in --out");
-  vo->add_flag("--force", arguments->force, "Throw an earlier training in --out away");
-  vo->add_flag("--list", arguments->list, "Print all keys and stop");
-  vo->callback([&action, arguments, &common] {
-    action = [arguments, &common] { return train_vo(*arguments, common); };
-  });
+  add_network<training::PretrainVo, training::PretrainVoOptions>(
+      *command, "vo", "The matching network of the stereo front end", action, common);
+  add_network<training::PoseHeadTraining, training::PoseHeadTrainingOptions>(
+      *command, "pose_head", "The pose head of vo.head: regression", action, common);
 }
 
 }  // namespace imslam::app

@@ -1,22 +1,30 @@
 #include "vo_net/match_weights.hpp"
+#include "vo_net/pose_head_weights.hpp"
+
+// The assembler copies a file as it is: an array in C++ would compile for minutes.
+#define IMSLAM_EMBED(name, file)                 \
+  asm(".pushsection .rodata, \"a\", @progbits\n" \
+      ".balign 16\n" name                        \
+      "_begin:\n"                                \
+      ".incbin \"" file "\"\n" name              \
+      "_end:\n"                                  \
+      ".byte 0\n"                                \
+      ".popsection\n")
 
 #ifdef IMSLAM_MATCH_WEIGHTS
-
-// The assembler copies the file as it is: an array in C++ would compile for minutes.
-asm(".pushsection .rodata, \"a\", @progbits\n"
-    ".balign 16\n"
-    "imslam_match_weights_begin:\n"
-    ".incbin \"" IMSLAM_MATCH_WEIGHTS
-    "\"\n"
-    "imslam_match_weights_end:\n"
-    ".byte 0\n"
-    ".popsection\n");
-
+IMSLAM_EMBED("imslam_match_weights", IMSLAM_MATCH_WEIGHTS);
 extern "C" {
 extern const char imslam_match_weights_begin[];
 extern const char imslam_match_weights_end[];
 }
+#endif
 
+#ifdef IMSLAM_POSE_HEAD_WEIGHTS
+IMSLAM_EMBED("imslam_pose_head_weights", IMSLAM_POSE_HEAD_WEIGHTS);
+extern "C" {
+extern const char imslam_pose_head_weights_begin[];
+extern const char imslam_pose_head_weights_end[];
+}
 #endif
 
 namespace imslam::vo {
@@ -24,6 +32,14 @@ namespace imslam::vo {
 std::optional<std::string> shipped_match_weights() {
 #ifdef IMSLAM_MATCH_WEIGHTS
   return std::string(imslam_match_weights_begin, imslam_match_weights_end);
+#else
+  return std::nullopt;
+#endif
+}
+
+std::optional<std::string> shipped_pose_head() {
+#ifdef IMSLAM_POSE_HEAD_WEIGHTS
+  return std::string(imslam_pose_head_weights_begin, imslam_pose_head_weights_end);
 #else
   return std::nullopt;
 #endif

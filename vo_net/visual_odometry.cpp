@@ -5,6 +5,7 @@
 #include "slam/base/error.hpp"
 #include "slam/base/time.hpp"
 #include "vo_net/options_check.hpp"
+#include "vo_net/pose_head_weights.hpp"
 
 namespace imslam::vo {
 namespace {
@@ -40,7 +41,9 @@ std::vector<std::int64_t> outlier_tracks(const Correspondences& correspondences,
 void VoOptions::describe(Config& config) {
   config.section("klt", klt);
   config.section("learned", learned);
+  config.field("head", head, {"geometric", "regression"}, "motion from matches");
   config.section("pose", pose);
+  config.section("regression", regression);
   config.section("offset", offset);
   config.field("shared_error", shared_error,
                "share of the matching variance that all points have in common [1]");
@@ -50,6 +53,7 @@ void VoOptions::validate() const {
   klt.validate();
   learned.validate();
   pose.validate();
+  regression.validate();
   offset.validate();
   require(shared_error >= 0.0 && shared_error <= 1.0, "vo.shared_error", shared_error, "0 .. 1");
 }
@@ -60,9 +64,18 @@ VisualOdometry::VisualOdometry(const VoOptions& options, const StereoCamera& cam
 VisualOdometry::VisualOdometry(const VoOptions& options,
                                const StereoCamera& camera,
                                std::unique_ptr<Matcher> matcher)
+    : VisualOdometry(options, camera, std::move(matcher), nullptr) {}
+
+VisualOdometry::VisualOdometry(const VoOptions& options,
+                               const StereoCamera& camera,
+                               std::unique_ptr<Matcher> matcher,
+                               std::shared_ptr<const PoseHead<float>> pose_head)
     : options_(options), camera_(camera), matcher_(std::move(matcher)), offset_(options.offset) {
   options_.validate();
   expects(matcher_ != nullptr, "VisualOdometry: needs a matcher");
+  if (options_.head != "regression") return;
+  if (!pose_head) pose_head = load_pose_head(options_.regression.weights).network;
+  regression_.emplace(options_.regression, std::move(pose_head));
 }
 
 VisualOdometry::~VisualOdometry() = default;
@@ -85,8 +98,9 @@ RelativeMotion VisualOdometry::to_motion(const PoseLayerResult& pose,
   motion.valid = pose.valid;
   if (!pose.valid) return motion;
   motion.T_body0_body1 = pose.T_body0_body1;
-  motion.covariance =
-      pose.covariance * (1.0 + options_.shared_error * static_cast<double>(pose.inliers));
+  // What a network says of its errors is the whole; the pose layer takes points for independent.
+  const double shared = regression_ ? 0.0 : options_.shared_error;
+  motion.covariance = pose.covariance * (1.0 + shared * static_cast<double>(pose.inliers));
   motion.J_disparity_offset = pose.J_disparity_offset;
   motion.J_focal_error = pose.J_focal_error;
   return motion;
@@ -100,8 +114,7 @@ void VisualOdometry::add_skip_motions(const MatchResult& match,
     const double ratio = to_seconds(time_ns - earlier.time0_ns) /
                          std::max(1e-3, to_seconds(time_ns - output.motion.time0_ns));
     const lie::SE3d start = lie::SE3d::exp(output.motion.T_body0_body1.log() * ratio);
-    const PoseLayerResult pose =
-        solve_pose(earlier.correspondences, camera_, options_.pose, start, disparity_offset_);
+    const PoseLayerResult pose = motion_of(earlier.correspondences, start);
     if (pose.valid) motions.push_back(to_motion(pose, earlier.time0_ns, time_ns));
   }
 }
@@ -134,11 +147,19 @@ VoOutput VisualOdometry::process(const StereoFrame& frame,
   return output;
 }
 
+PoseLayerResult VisualOdometry::motion_of(const Correspondences& correspondences,
+                                          const lie::SE3d& start) const {
+  if (regression_) {
+    return regression_->solve(correspondences, camera_, options_.pose, disparity_offset_);
+  }
+  return solve_pose(correspondences, camera_, options_.pose, start, disparity_offset_);
+}
+
 void VisualOdometry::solve(const MatchResult& match, const lie::SE3d& predicted, VoOutput& output) {
   const Correspondences& correspondences = match.previous.correspondences;
   const std::int64_t time_ns = output.motion.time1_ns;
   output.tracked = static_cast<int>(correspondences.size());
-  output.pose = solve_pose(correspondences, camera_, options_.pose, predicted, disparity_offset_);
+  output.pose = motion_of(correspondences, predicted);
   output.motion = to_motion(output.pose, anchor_time_ns_, time_ns);
   if (!output.motion.valid) return;
   offset_.add(output.pose);

@@ -15,16 +15,19 @@
 #include "vo_net/learned_options.hpp"
 #include "vo_net/matcher.hpp"
 #include "vo_net/pose_layer.hpp"
+#include "vo_net/regression_odometry.hpp"
 
 namespace imslam::vo {
 
 struct VoOptions {
   KltOptions klt;
   LearnedMatcherOptions learned;
-  PoseLayerOptions pose;
+  std::string head = "geometric";  ///< motion from matches: geometric, regression
+  PoseLayerOptions pose;           ///< of the geometric head; its limits hold for both
+  RegressionOptions regression;
   DisparityOffsetOptions offset;
   /// [1] share of the matching variance that all points have in common (lens model, blur): it does
-  /// not average out, so n points count as n / (1 + shared_error n).
+  /// not average out, so n points count as n / (1 + shared_error n). Of the geometric head.
   double shared_error = 0.15;
 
   void describe(Config& config);
@@ -63,11 +66,17 @@ struct VoOutput {
 /// takes.
 class VisualOdometry {
  public:
+  /// Throws InputError(kModel) if options.head = regression and there are no weights.
   VisualOdometry(const VoOptions& options, const StereoCamera& camera);
   /// With another matcher than the classical one.
   VisualOdometry(const VoOptions& options,
                  const StereoCamera& camera,
                  std::unique_ptr<Matcher> matcher);
+  /// And with a pose head, for options.head = regression.
+  VisualOdometry(const VoOptions& options,
+                 const StereoCamera& camera,
+                 std::unique_ptr<Matcher> matcher,
+                 std::shared_ptr<const PoseHead<float>> pose_head);
   ~VisualOdometry();
 
   VoOutput process(const StereoFrame& frame, const std::optional<MotionPrior>& prior = {});
@@ -85,6 +94,7 @@ class VisualOdometry {
 
  private:
   lie::SE3d predict(std::int64_t time_ns, const std::optional<MotionPrior>& prior) const;
+  PoseLayerResult motion_of(const Correspondences& correspondences, const lie::SE3d& start) const;
   void solve(const MatchResult& match, const lie::SE3d& predicted, VoOutput& output);
   bool is_poor(std::size_t points) const;
   RelativeMotion to_motion(const PoseLayerResult& pose,
@@ -98,6 +108,7 @@ class VisualOdometry {
   VoOptions options_;
   StereoCamera camera_;
   std::unique_ptr<Matcher> matcher_;
+  std::optional<RegressionHead> regression_;  ///< none: the geometric head
   DisparityOffsetEstimator offset_;
   double disparity_offset_ = 0.0;
 

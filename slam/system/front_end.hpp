@@ -8,23 +8,25 @@
 #include "slam/sensors/calibration.hpp"
 #include "slam/system/slam_options.hpp"
 #include "vo_net/matcher.hpp"
+#include "vo_net/pose_head.hpp"
 
 namespace imslam::system {
 
 /// A trained network that took part in a run.
 struct ModelRecord {
-  std::string name;  ///< its task: match_network
+  std::string name;  ///< its task: match_network, pose_head
   std::string file;
   nn::ModelCard card;  ///< with the sha256 of the tensors
 };
 
 struct FrontEnd {
   std::unique_ptr<vo::Matcher> matcher;
+  std::shared_ptr<const vo::PoseHead<float>> pose_head;  ///< none: the geometric head
   std::vector<ModelRecord> models;
 };
 
-/// The matcher that options.system.front_end names. Throws InputError(kModel) if it needs weights
-/// and there are none.
+/// The matcher that options.system.front_end names and the head that options.vo.head names. Throws
+/// InputError(kModel) if they need weights and there are none.
 FrontEnd make_front_end(const SlamOptions& options, const StereoCamera& camera);
 
 }  // namespace imslam::system

@@ -25,7 +25,7 @@ class SlamSystem::State {
         FrontEnd front_end)
       : options_(options),
         camera_(camera),
-        odometry_(options.vo, camera, std::move(front_end.matcher)),
+        odometry_(options.vo, camera, std::move(front_end.matcher), std::move(front_end.pose_head)),
         online_(options),
         map_sampler_(camera, options.system),
         inertial_(imu_noise.has_value()) {

@@ -101,6 +101,28 @@ std::string ValidationResult::text() const {
   return line;
 }
 
+std::string ValidationResult::columns() {
+  std::string text;
+  for (const char* name : names()) {
+    for (const char* figure :
+         {"median_px", "outliers_percent", "confident_percent", "confident_median_px",
+          "confident_outliers_percent", "normalised_median"}) {
+      text += fmt::format("{}{}_{}", text.empty() ? "" : ",", name, figure);
+    }
+  }
+  return text;
+}
+
+std::string ValidationResult::row() const {
+  std::string text;
+  for (const MatchQuality& q : quality) {
+    text += fmt::format("{}{:.4f},{:.3f},{:.2f},{:.4f},{:.3f},{:.3f}", text.empty() ? "" : ",",
+                        q.median_px, q.outliers_percent, q.confident_percent, q.confident_median_px,
+                        q.confident_outliers_percent, q.normalised_median);
+  }
+  return text;
+}
+
 MatchValidation::MatchValidation(const PretrainVoOptions& options) : options_(options) {
   TripletOptions triplets = options.triplets;
   triplets.seed += kSeedOffset;

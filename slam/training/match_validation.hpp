@@ -26,6 +26,8 @@ struct ValidationResult {
 
   static const std::array<const char*, 4>& names();
   std::string text() const;  ///< one line
+  std::string row() const;   ///< all figures, comma separated
+  static std::string columns();
 };
 
 /// A fixed set of samples from seeds that training never draws: what chooses among weights.

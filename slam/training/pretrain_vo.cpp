@@ -1,12 +1,10 @@
 #include "slam/training/pretrain_vo.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include <fmt/format.h>
 
-#include "slam/base/parallel.hpp"
+#include <algorithm>
+
 #include "slam/nn/ops/arithmetic.hpp"
-#include "slam/nn/training/schedule.hpp"
-#include "slam/nn/weights_io.hpp"
 
 namespace imslam::training {
 namespace {
@@ -34,23 +32,6 @@ nn::ParameterList<float> parameters_of(vo::MatchNetwork<float>& network) {
   return list;
 }
 
-/// What the weights depend on: not how often they are looked at.
-std::string text_of(PretrainVoOptions options) {
-  const PretrainVoOptions defaults;
-  options.validation_every = defaults.validation_every;
-  options.validation_samples = defaults.validation_samples;
-  options.checkpoint_every = defaults.checkpoint_every;
-  Config config;
-  config.section("train", options);
-  return config.to_yaml();
-}
-
-nn::Adam<float>::Options adam_options(const PretrainVoOptions& options) {
-  nn::Adam<float>::Options adam;
-  adam.weight_decay = options.weight_decay;
-  return adam;
-}
-
 /// 0 at the start, 1 after `share` of the steps.
 double ramp(int step, int steps, double share) {
   const double end = share * steps;
@@ -60,27 +41,24 @@ double ramp(int step, int steps, double share) {
 }  // namespace
 
 PretrainVo::PretrainVo(const PretrainVoOptions& options)
-    : options_(validated(options)),
-      options_text_(text_of(options)),
-      random_(static_cast<std::uint64_t>(options.seed)),
+    : NetworkTraining(validated(options), text_of_training(options)),
+      options_(options),
       generator_(options.triplets),
       augmentation_(options.augmentation),
       network_(make_network(options)),
-      parameters_(parameters_of(network_)),
-      batch_(parameters_, std::min(options.batch, thread_count())),
-      optimizer_(adam_options(options)),
-      average_(options.average),
-      gradients_(nn::zero_gradients(parameters_)),
-      slots_(static_cast<std::size_t>(options.batch)) {}
+      slots_(static_cast<std::size_t>(options.batch)) {
+  adopt(parameters_of(network_));
+}
 
 nn::Var PretrainVo::sample_loss(nn::Tape<float>& tape, std::size_t slot) {
-  const auto index = static_cast<std::uint64_t>(step_) * slots_.size() + slot;
+  const auto index = static_cast<std::uint64_t>(step_count()) * slots_.size() + slot;
   Triplet& triplet = slots_[slot];
   generator_.make(index, triplet);
-  augmentation_.apply(index, ramp(step_, options_.steps, options_.ramp), triplet);
+  augmentation_.apply(index, ramp(step_count(), options_.steps, options_.ramp), triplet);
   const MatchSample sample =
       draw_queries(triplet, options_.queries, stream(options_, kQueryStream).fork(index));
-  const double own_chain = options_.own_chain * ramp(step_, options_.steps, options_.teacher);
+  const double own_chain =
+      options_.own_chain * ramp(step_count(), options_.steps, options_.teacher);
   Random chance = stream(options_, kTeacherStream).fork(index);
   const bool teacher = !chance.chance(own_chain);
 
@@ -93,86 +71,37 @@ nn::Var PretrainVo::sample_loss(nn::Tape<float>& tape, std::size_t slot) {
              loss_of(vo::MatchKind::kStereo, sample.stereo));
 }
 
-double PretrainVo::step() {
-  network_.freeze_norms(step_ >= options_.freeze_norms * options_.steps);
-  const double loss = batch_.run(
-      slots_.size(),
-      [this](nn::Tape<float>& tape, std::size_t slot) { return sample_loss(tape, slot); },
-      gradients_);
-  const nn::CosineSchedule schedule{options_.rate, options_.steps, options_.warm_up};
-  if (std::isfinite(nn::clip_global_norm(gradients_, options_.clip)) && std::isfinite(loss)) {
-    optimizer_.step(parameters_, gradients_, schedule.rate(step_));
-    average_.update(parameters_);
-  } else {
-    ++skipped_;
-  }
-  ++step_;
-  return loss;
+void PretrainVo::prepare_step() {
+  network_.freeze_norms(step_count() >= options_.freeze_norms * options_.steps);
 }
 
 ValidationResult PretrainVo::validate() {
   if (!validation_) validation_ = std::make_unique<MatchValidation>(options_);
-  average_.swap(parameters_);
-  ValidationResult result = validation_->evaluate(network_);
-  average_.swap(parameters_);
-  return result;
+  return with_average([this] { return validation_->evaluate(network_); });
 }
 
-void PretrainVo::save(const std::filesystem::path& file) {
-  nn::WeightsWriter writer;
-  for (const nn::Parameter<float>* parameter : parameters_) {
-    writer.add("weights/" + parameter->name, parameter->value);
-  }
-  for (std::size_t i = 0; i < average_.averages().size(); ++i) {
-    writer.add("average/" + parameters_[i].name, average_.averages()[i]);
-  }
-  nn::add_state(writer, "optimizer/", optimizer_.state(parameters_));
-  writer.add("step", step_);
-  writer.add("skipped", skipped_);
-  writer.add("average_updates", average_.updates());
-  writer.add("best_loss", nn::Tensor<double>({1}, {best_loss}));
-  writer.write(file, {{"options", options_text_}, {"parent", parent_sha256_}});
+ValidationRecord PretrainVo::look() {
+  const ValidationResult result = validate();
+  return {result.loss, result.text(), result.row()};
 }
 
-void PretrainVo::restore(const std::filesystem::path& file) {
-  const auto checkpoint = nn::WeightsFile::read(file);
-  const auto text = checkpoint.metadata().find("options");
-  if (text == checkpoint.metadata().end() || text->second != options_text_) {
-    throw InputError(file.string() +
-                         ": belongs to a training with other options (see config.yaml "
-                         "beside it); use those, or another folder",
-                     ExitCode::kModel);
-  }
-  std::vector<nn::Tensor<float>> averages;
-  const bool has_average = checkpoint.integer("average_updates") > 0;
-  for (nn::Parameter<float>* parameter : parameters_) {
-    checkpoint.read_into("weights/" + parameter->name, parameter->value);
-    if (!has_average) continue;
-    averages.emplace_back(parameter->value.shape());
-    checkpoint.read_into("average/" + parameter->name, averages.back());
-  }
-  average_.restore(checkpoint.integer("average_updates"), std::move(averages));
-  optimizer_.restore(parameters_, nn::state_of<float>(checkpoint, "optimizer/"));
-  step_ = static_cast<int>(checkpoint.integer("step"));
-  skipped_ = static_cast<int>(checkpoint.integer("skipped"));
-  nn::Tensor<double> best({1});
-  checkpoint.read_into("best_loss", best);
-  best_loss = best[0];
-  const auto parent = checkpoint.metadata().find("parent");
-  if (parent != checkpoint.metadata().end()) parent_sha256_ = parent->second;
-}
+std::string PretrainVo::log_columns() const { return ValidationResult::columns(); }
 
-void PretrainVo::start_from(const std::filesystem::path& weights) {
-  const auto file = nn::WeightsFile::read(weights);
-  nn::load_parameters(file, parameters_);
-  parent_sha256_ = file.data_sha256();
-}
-
-void PretrainVo::write_weights(const std::filesystem::path& file, nn::ModelCard card) {
-  average_.swap(parameters_);
-  card.parent = parent_sha256_;
-  nn::save_parameters(file, parameters_, card, nn::NumberType::kF16);
-  average_.swap(parameters_);
+nn::ModelCard PretrainVo::card() const {
+  nn::ModelCard card;
+  card.what =
+      "matching network of imslam's stereo visual odometry: displacement, uncertainty and "
+      "confidence of query points, over time and left to right";
+  card.data = fmt::format("{} synthetic triplets of {} x {} px made by this program; textures: {}",
+                          step_count() * options_.batch, options_.triplets.scene.width,
+                          options_.triplets.scene.height, generator_.description());
+  card.seed = fmt::format("{}", options_.seed);
+  card.metrics = fmt::format("{} validation triplets of other seeds, half of them degraded",
+                             options_.validation_samples);
+  card.limits =
+      "trained on synthetic planar scenes only; flow beyond 80 px from the predicted "
+      "displacement and disparities beyond 192 px are not found";
+  return card;
 }
 
 }  // namespace imslam::training

@@ -4,8 +4,8 @@
 #include <functional>
 #include <string>
 
-#include "slam/training/match_validation.hpp"
-#include "slam/training/pretrain_options.hpp"
+#include "slam/base/config.hpp"
+#include "slam/training/network_training.hpp"
 
 namespace imslam::training {
 
@@ -32,13 +32,25 @@ struct TrainingOutcome {
 
 /// Trains in a folder that anybody can stop and go on with:
 ///
-///   config.yaml                  all options
-///   checkpoint.safetensors       every checkpoint_every steps and at the end, all or nothing
-///   match_network.safetensors    the weights with the least validation loss so far, float16
-///   log.csv                      the validations
+///   config.yaml              all options
+///   checkpoint.safetensors   every checkpoint_every steps and at the end, all or nothing
+///   NAME.safetensors         the weights with the least validation loss so far, float16
+///   log.csv                  the validations
 ///
-/// Throws InputError: kUsage on bad options, kOutput on a folder that is in use, kModel on a
-/// checkpoint of other options.
-TrainingOutcome run_pretraining(const PretrainVoOptions& options, const TrainingRequest& request);
+/// Throws InputError: kOutput on a folder that is in use, kModel on a checkpoint of other options.
+TrainingOutcome run_training(NetworkTraining& training,
+                             const std::string& config_yaml,
+                             const TrainingRequest& request);
+
+/// The same for Training(options), e.g. run_training<PretrainVo>(options, request).
+/// Throws InputError(kUsage) on bad options.
+template <typename Training, typename Options>
+TrainingOutcome run_training(const Options& options, const TrainingRequest& request) {
+  Training training(options);
+  Options printed = options;
+  Config config;
+  config.section("train", printed);
+  return run_training(training, config.to_yaml(), request);
+}
 
 }  // namespace imslam::training

@@ -245,7 +245,9 @@ TEST(VisualOdometry, StaysOnTheRoadOfKitti) {
         cv::imread((root / "sequences" / "00" / folder / name).string(), cv::IMREAD_GRAYSCALE);
     return GrayImage{m.cols, m.rows, std::vector<std::uint8_t>(m.datastart, m.dataend)};
   };
-  VisualOdometry odometry({}, camera);
+  const VoOptions
+      options;  // a named one: GCC 12 takes a temporary of several strings for uninitialised
+  VisualOdometry odometry(options, camera);
   lie::SE3d before = next_pose();
   for (int i = 0; i < 12; ++i) {
     StereoFrame frame;

@@ -74,11 +74,11 @@ TEST(PretrainVo, ThreadsDoNotChangeABit) {
 TEST(TrainingRun, StoppedAnywhereItGoesOnBitByBit) {
   const TempDir dir;
   const PretrainVoOptions options = small_training(8);
-  run_pretraining(options, request_in(dir.path() / "whole"));
+  run_training<PretrainVo>(options, request_in(dir.path() / "whole"));
   TrainingRequest request = request_in(dir.path() / "pieces");
   request.resume = true;
   request.keep_going = [](int done, int, const std::string&) { return done % 3 != 0; };
-  while (run_pretraining(options, request).stopped) {
+  while (run_training<PretrainVo>(options, request).stopped) {
   }
   for (const char* name : {"checkpoint.safetensors", "match_network.safetensors", "log.csv"}) {
     EXPECT_EQ(bytes(dir.path() / "whole", name), bytes(dir.path() / "pieces", name)) << name;
@@ -91,49 +91,49 @@ TEST(TrainingRun, AfterAKillTheLogHoldsEachValidationOnce) {
   const PretrainVoOptions options = small_training(8);
   TrainingRequest request = request_in(dir.path() / "run");
   request.keep_going = [](int done, int, const std::string&) { return done < 2; };
-  run_pretraining(options, request);
+  run_training<PretrainVo>(options, request);
   const auto checkpoint = dir.path() / "run" / "checkpoint.safetensors";
   const std::string old = read_file(checkpoint);
   request.keep_going = nullptr;
   request.resume = true;
-  run_pretraining(options, request);
+  run_training<PretrainVo>(options, request);
   const std::string log = bytes(dir.path() / "run", "log.csv");
   write_file_atomic(checkpoint, old);
-  run_pretraining(options, request);
+  run_training<PretrainVo>(options, request);
   EXPECT_EQ(bytes(dir.path() / "run", "log.csv"), log);
 }
 
 TEST(TrainingRun, AnotherTrainingInTheFolderIsRefused) {
   const TempDir dir;
   const TrainingRequest request = request_in(dir.path() / "run");
-  run_pretraining(small_training(2), request);
-  EXPECT_THROW(run_pretraining(small_training(2), request), InputError);
+  run_training<PretrainVo>(small_training(2), request);
+  EXPECT_THROW(run_training<PretrainVo>(small_training(2), request), InputError);
   TrainingRequest resume = request;
   resume.resume = true;
-  EXPECT_THROW(run_pretraining(small_training(3), resume), InputError);
+  EXPECT_THROW(run_training<PretrainVo>(small_training(3), resume), InputError);
   TrainingRequest force = request;
   force.force = true;
-  EXPECT_EQ(run_pretraining(small_training(3), force).steps, 3);
+  EXPECT_EQ(run_training<PretrainVo>(small_training(3), force).steps, 3);
 }
 
 TEST(TrainingRun, ADamagedCheckpointIsRefused) {
   const TempDir dir;
   TrainingRequest request = request_in(dir.path() / "run");
-  run_pretraining(small_training(2), request);
+  run_training<PretrainVo>(small_training(2), request);
   const auto checkpoint = dir.path() / "run" / "checkpoint.safetensors";
   std::string damaged = read_file(checkpoint);
   damaged.resize(damaged.size() / 2);
   write_file_atomic(checkpoint, damaged);
   request.resume = true;
-  EXPECT_THROW(run_pretraining(small_training(2), request), InputError);
+  EXPECT_THROW(run_training<PretrainVo>(small_training(2), request), InputError);
 }
 
 TEST(TrainingRun, AStartFromWeightsNamesItsParent) {
   const TempDir dir;
-  const auto first = run_pretraining(small_training(2), request_in(dir.path() / "first"));
+  const auto first = run_training<PretrainVo>(small_training(2), request_in(dir.path() / "first"));
   TrainingRequest request = request_in(dir.path() / "second");
   request.start = first.weights;
-  const auto second = run_pretraining(small_training(2), request);
+  const auto second = run_training<PretrainVo>(small_training(2), request);
   EXPECT_EQ(nn::WeightsFile::read(second.weights).card().parent,
             nn::WeightsFile::read(first.weights).data_sha256());
 }

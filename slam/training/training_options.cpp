@@ -1,0 +1,34 @@
+#include "slam/training/training_options.hpp"
+
+#include "slam/training/bounds.hpp"
+
+namespace imslam::training {
+
+void TrainingOptions::describe_training(Config& config) {
+  config.field("seed", seed, "of the first weights and whatever else is drawn");
+  config.field("steps", steps, "of the optimiser");
+  config.field("batch", batch, "samples per step, one tape each");
+  config.field("rate", rate, "learning rate after the warm-up, then half a cosine to 0");
+  config.field("warm_up", warm_up, "[steps]");
+  config.field("weight_decay", weight_decay, "of AdamW");
+  config.field("clip", clip, "largest norm of the gradient");
+  config.field("average", average, "decay of the averaged weights, which are the result");
+  config.field("validation_every", validation_every, "[steps]");
+  config.field("validation_samples", validation_samples, "of other seeds");
+  config.field("checkpoint_every", checkpoint_every, "[steps]");
+}
+
+void TrainingOptions::validate_training() const {
+  require_within("train.steps", steps, 1, 1e8);
+  require_within("train.batch", batch, 1, 1024);
+  require_within("train.rate", rate, 0.0, 1.0);
+  require_within("train.warm_up", warm_up, 0, steps);
+  require_within("train.weight_decay", weight_decay, 0.0, 1.0);
+  require_within("train.clip", clip, 1e-6, 1e6);
+  require_within("train.average", average, 0.0, 0.99999);
+  require_within("train.validation_every", validation_every, 1, 1e8);
+  require_within("train.validation_samples", validation_samples, 2, 10000);
+  require_within("train.checkpoint_every", checkpoint_every, 1, 1e8);
+}
+
+}  // namespace imslam::training

@@ -1,0 +1,89 @@
+#include "slam/training/pose_head_training.hpp"
+
+#include <gtest/gtest.h>
+
+#include "slam/base/error.hpp"
+#include "slam/base/file.hpp"
+#include "slam/base/parallel.hpp"
+#include "slam/nn/weights_io.hpp"
+#include "slam/training/training_run.hpp"
+#include "tests/support/temp_dir.hpp"
+
+namespace imslam::training {
+namespace {
+
+using testing::TempDir;
+
+PoseHeadTrainingOptions small_training(int steps) {
+  PoseHeadTrainingOptions options;
+  options.steps = steps;
+  options.batch = 3;
+  options.fields = 2;
+  options.warm_up = 2;
+  options.validation_every = 4;
+  options.validation_samples = 20;
+  options.checkpoint_every = 2;
+  return options;
+}
+
+TEST(PoseHeadTraining, LearnsTheMotionOfUnseenFields) {
+  PoseHeadTrainingOptions options = small_training(60);
+  options.batch = 4;
+  options.fields = 8;
+  options.rate = 2e-3;
+  options.validation_samples = 100;
+  PoseHeadTraining training(options);
+  training.step();
+  const PoseHeadQuality before = training.validate();
+  while (!training.done()) training.step();
+  const PoseHeadQuality after = training.validate();
+  EXPECT_LT(after.loss, before.loss - 1.0);
+  EXPECT_LT(after.rotation_mdeg, 0.8 * before.rotation_mdeg);
+  EXPECT_EQ(training.skipped_steps(), 0);
+}
+
+TEST(PoseHeadTraining, ThreadsDoNotChangeABit) {
+  const TempDir dir;
+  const auto train = [&](int threads) {
+    set_thread_count(threads);
+    PoseHeadTraining training(small_training(3));
+    while (!training.done()) training.step();
+    const auto file = dir.path() / std::to_string(threads);
+    training.save(file);
+    set_thread_count(0);
+    return read_file(file);
+  };
+  EXPECT_EQ(train(1), train(2));
+}
+
+TEST(PoseHeadTraining, StoppedAnywhereItGoesOnBitByBit) {
+  const TempDir dir;
+  const PoseHeadTrainingOptions options = small_training(8);
+  TrainingRequest request;
+  request.folder = dir.path() / "whole";
+  run_training<PoseHeadTraining>(options, request);
+  request.folder = dir.path() / "pieces";
+  request.resume = true;
+  request.keep_going = [](int done, int, const std::string&) { return done % 3 != 0; };
+  while (run_training<PoseHeadTraining>(options, request).stopped) {
+  }
+  for (const char* name : {"checkpoint.safetensors", "pose_head.safetensors", "log.csv"}) {
+    EXPECT_EQ(read_file(dir.path() / "whole" / name), read_file(dir.path() / "pieces" / name))
+        << name;
+  }
+}
+
+TEST(PoseHeadTraining, TheCardSaysWhatWasDone) {
+  const TempDir dir;
+  TrainingRequest request;
+  request.folder = dir.path() / "run";
+  request.command = "imslam train pose_head";
+  const auto outcome = run_training<PoseHeadTraining>(small_training(2), request);
+  const nn::ModelCard card = nn::WeightsFile::read(outcome.weights).card();
+  EXPECT_EQ(card.command, request.command);
+  EXPECT_NE(card.data.find("12 synthetic flow fields"), std::string::npos) << card.data;
+  EXPECT_NE(card.metrics.find("rotation"), std::string::npos) << card.metrics;
+}
+
+}  // namespace
+}  // namespace imslam::training
