@@ -17,6 +17,8 @@ namespace {
 
 constexpr int kLevels = 2;              // corners are looked for at half size
 constexpr double kMinSurvivors = 0.3;   // fewer: the prediction may have been wrong
+constexpr double kHard = 0.5;           // share of polished matches: fewer need a closer look,
+constexpr double kEasyAgain = 0.65;     // with more the coarse one is enough again
 constexpr double kMinDisparity = -1.0;  // [px] noise may carry a far point beyond infinity
 
 bool is_inside(const StereoCamera& camera, const Eigen::Vector2d& p) {
@@ -51,8 +53,6 @@ void leave_one_per_cell(std::vector<Track>& tracks, double side) {
   tracks = std::move(kept);
 }
 
-int shrink_of(int width, int max_width) { return (width + max_width - 1) / max_width; }
-
 }  // namespace
 
 class LearnedMatcher::State {
@@ -63,7 +63,7 @@ class LearnedMatcher::State {
       : options(options_in.for_width(camera_in.width)),
         camera(camera_in),
         network(std::move(network_in)),
-        inference_(network, shrink_of(camera.width, options.max_width)),
+        inference_(network),
         polish_(options) {
     options.validate();
   }
@@ -81,11 +81,16 @@ class LearnedMatcher::State {
 
   Arrivals follow(const Eigen::Vector2d& predicted);
   Arrivals follow(const lie::SE3d& T_left1_left0);
-  Arrival refine_flow(const Eigen::Vector2d& left0, const NetworkAnswer& answer) const;
+  /// And whether it was polished.
+  std::pair<Arrival, bool> refine_flow(const Eigen::Vector2d& left0,
+                                       const NetworkAnswer& answer) const;
   std::vector<Eigen::Vector2d> new_points(const std::vector<Eigen::Vector2d>& taken) const;
   std::vector<std::optional<Track>> measure_depth(const std::vector<Eigen::Vector2d>& left);
   Disparity refine_disparity(const Eigen::Vector2d& left, const NetworkAnswer& answer) const;
   void move_tracks(const Arrivals& arrivals, FrameMatch& match);
+
+  int shrink() const;
+  void judge_effort(std::size_t polished, std::size_t arrived);
 
   MatchInference inference_;
   MatchPolish polish_;
@@ -94,17 +99,29 @@ class LearnedMatcher::State {
   ImagePyramid right_;
   std::int64_t time_ns_ = 0;  // of the newest frame
   std::int64_t time_before_ns_ = 0;
+  bool is_hard_ = false;  // the network's own answers count, not only where they lead to
   int frames_ = 0;
   std::vector<Track> tracks_;
   std::vector<Track> tracks_before_;  // as they were in the frame before
   std::int64_t next_id_ = 0;
 };
 
-Arrival LearnedMatcher::State::refine_flow(const Eigen::Vector2d& left0,
-                                           const NetworkAnswer& answer) const {
+int LearnedMatcher::State::shrink() const {
+  const int widest = is_hard_ ? options.max_width_hard : options.max_width;
+  return (camera.width + widest - 1) / widest;
+}
+
+void LearnedMatcher::State::judge_effort(std::size_t polished, std::size_t arrived) {
+  const double share =
+      arrived == 0 ? 0.0 : static_cast<double>(polished) / static_cast<double>(arrived);
+  is_hard_ = share < (is_hard_ ? kEasyAgain : kHard);
+}
+
+std::pair<Arrival, bool> LearnedMatcher::State::refine_flow(const Eigen::Vector2d& left0,
+                                                            const NetworkAnswer& answer) const {
   const auto better = polish_.polish(left_before_, left0, left_, answer);
-  if (better) return {better->position, better->covariance, answer.confidence};
-  return {left0 + answer.displacement, answer.covariance, answer.confidence};
+  if (better) return {{better->position, better->covariance, answer.confidence}, true};
+  return {{left0 + answer.displacement, answer.covariance, answer.confidence}, false};
 }
 
 LearnedMatcher::State::Arrivals LearnedMatcher::State::follow(const Eigen::Vector2d& predicted) {
@@ -112,12 +129,17 @@ LearnedMatcher::State::Arrivals LearnedMatcher::State::follow(const Eigen::Vecto
   for (const Track& track : tracks_) points.push_back(track.left);
   const std::vector<NetworkAnswer> answers = inference_.flow(points, predicted);
   Arrivals arrivals(tracks_.size());
+  std::vector<char> is_polished(tracks_.size(), 0);
   parallel_points(tracks_.size(), [&](std::size_t i) {
     if (answers[i].confidence < options.min_confidence) return;
-    const Arrival arrival = refine_flow(points[i], answers[i]);
+    const auto [arrival, polished] = refine_flow(points[i], answers[i]);
     if (!is_inside(camera, arrival.left) || !polish_.shows_something(left_, arrival.left)) return;
     arrivals[i] = arrival;
+    is_polished[i] = polished ? 1 : 0;
   });
+  judge_effort(static_cast<std::size_t>(std::count(is_polished.begin(), is_polished.end(), 1)),
+               static_cast<std::size_t>(std::count_if(
+                   arrivals.begin(), arrivals.end(), [](const auto& a) { return a.has_value(); })));
   return arrivals;
 }
 
@@ -217,7 +239,7 @@ MatchResult LearnedMatcher::State::match(const StereoFrame& frame, const lie::SE
   tracks_before_ = tracks_;
   left_.build(frame.left, kLevels, options.smoothing);
   right_.build(frame.right, kLevels, options.smoothing);
-  inference_.advance(frame.left, frame.right);
+  inference_.advance(frame.left, frame.right, shrink());
 
   MatchResult result;
   result.previous.time0_ns = time_before_ns_;

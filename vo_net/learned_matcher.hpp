@@ -18,6 +18,8 @@ namespace imslam::vo {
 ///   Lucas-Kanade at full size from the network's answer where that is precise enough. What it
 ///       finds nearby replaces the answer, with the covariance of its texture and residual.
 ///
+/// The network sees shrunken images as long as Lucas-Kanade can go on from its answers, and whole
+/// ones from the next frame on where it seldom can: in blur, noise and darkness.
 /// A match whose surroundings show nothing in either image is none, whatever the network says.
 class LearnedMatcher final : public Matcher {
  public:

@@ -10,7 +10,8 @@ void LearnedMatcherOptions::describe(Config& config) {
   config.field("weights", weights, "file of the matching network; empty: the shipped one");
   config.field("max_points", max_points, "about how many points to follow");
   config.field("min_confidence", min_confidence, "a match less likely to be right is none [1]");
-  config.field("max_width", max_width, "wider images are halved for the network [px]");
+  config.field("max_width", max_width, "wider images are shrunk for the network, by a whole factor [px]");
+  config.field("max_width_hard", max_width_hard, "likewise in blurred, dark or noisy frames [px]");
   config.field("min_contrast", min_contrast, "less around a point shows nothing [grey levels]");
   config.field("polish", polish, "Lucas-Kanade at full size, from the network's answer");
   config.field("polish_window", polish_window,
@@ -29,6 +30,7 @@ void LearnedMatcherOptions::validate() const {
   require(min_confidence >= 0.0 && min_confidence < 1.0, "vo.learned.min_confidence",
           min_confidence, "0 .. 1, not 1");
   require(max_width >= 64, "vo.learned.max_width", max_width, ">= 64");
+  require(max_width_hard >= 64, "vo.learned.max_width_hard", max_width_hard, ">= 64");
   require(min_contrast > 0.0 && min_contrast <= 100.0, "vo.learned.min_contrast", min_contrast,
           "0 .. 100, not 0");
   require(polish_window == 0 || (polish_window >= 5 && polish_window <= PatchTemplate::kMaxWindow &&

@@ -11,6 +11,7 @@ struct LearnedMatcherOptions {
   int max_points = 900;         ///< about; at most one point per cell of a grid
   double min_confidence = 0.5;  ///< [1] that a match is right; less is none
   int max_width = 640;          ///< [px] wider images are shrunk to it before the network sees them
+  int max_width_hard = 1400;    ///< [px] likewise in frames where Lucas-Kanade seldom helps
   double min_contrast = 0.5;    ///< [grey levels] around a point: less shows nothing
 
   bool polish = true;                   ///< Lucas-Kanade at full size, from the network's answer

@@ -67,36 +67,42 @@ NetworkAnswer answer_of(const nn::Tape<float>& tape, const MatchPrediction& pred
 
 }  // namespace
 
-MatchInference::MatchInference(std::shared_ptr<MatchNetwork<float>> network, int shrink)
+MatchInference::MatchInference(std::shared_ptr<MatchNetwork<float>> network)
     : network_(std::move(network)),
-      shrink_(shrink),
       left_before_(std::make_unique<Encoded>()),
       left_(std::make_unique<Encoded>()),
       right_(std::make_unique<Encoded>()) {
-  expects(network_ != nullptr && shrink >= 1, "MatchInference: needs a network and a whole factor");
+  expects(network_ != nullptr, "MatchInference: needs a network");
 }
 
-void MatchInference::encode(const GrayImage& image, Encoded& encoded) const {
+void MatchInference::encode(Encoded& encoded) const {
   encoded.tape.reset();
-  const Index height = image.height / shrink_;
-  const Index width = image.width / shrink_;
+  const Index height = encoded.image.height / shrink_;
+  const Index width = encoded.image.width / shrink_;
   const Var pixels = encoded.tape.make({1, height, width, 1});
-  write_pixels(image, shrink_, height, width, encoded.tape.data(pixels));
+  write_pixels(encoded.image, shrink_, height, width, encoded.tape.data(pixels));
   encoded.features = network_->encode(encoded.tape, pixels);
+  encoded.shrink = shrink_;
 }
 
-void MatchInference::advance(const GrayImage& left, const GrayImage& right) {
-  expects(left.width >= shrink_ && left.height >= shrink_ && left.width == right.width &&
-              left.height == right.height,
+void MatchInference::advance(const GrayImage& left, const GrayImage& right, int shrink) {
+  expects(shrink >= 1 && left.width >= shrink && left.height >= shrink &&
+              left.width == right.width && left.height == right.height,
           "MatchInference::advance: two images of one size");
   std::swap(left_, left_before_);
   stereo_logits_ = {};
-  parallel_for(2, [&](std::size_t i) { i == 0 ? encode(left, *left_) : encode(right, *right_); });
+  shrink_ = shrink;
+  left_->image = left;
+  right_->image = right;
+  const bool again = left_before_->shrink != 0 && left_before_->shrink != shrink;
+  parallel_for(again ? 3 : 2, [&](std::size_t i) {
+    encode(i == 0 ? *left_ : i == 1 ? *right_ : *left_before_);
+  });
 }
 
 void MatchInference::step_back() {
   std::swap(left_, left_before_);
-  left_before_->features = {};
+  left_before_->shrink = 0;
 }
 
 Var MatchInference::coarse_logits(const Encoded& from,

@@ -27,12 +27,13 @@ struct NetworkAnswer {
 /// from the second pair on, if there are not more points than ever before.
 class MatchInference {
  public:
-  /// `shrink`: the network sees means of shrink x shrink pixels. The network must be folded or
-  /// frozen: it is only read.
-  MatchInference(std::shared_ptr<MatchNetwork<float>> network, int shrink);
+  /// The network must be folded or frozen: it is only read.
+  explicit MatchInference(std::shared_ptr<MatchNetwork<float>> network);
 
-  /// Images of one size, throughout; not smaller than shrink x shrink.
-  void advance(const GrayImage& left, const GrayImage& right);
+  /// Images of one size, throughout; not smaller than shrink x shrink. The network sees means of
+  /// shrink x shrink pixels; if that was another number before, the left image before is encoded
+  /// anew.
+  void advance(const GrayImage& left, const GrayImage& right, int shrink);
 
   /// The left image before is the newest one again. Once per advance().
   void step_back();
@@ -45,6 +46,8 @@ class MatchInference {
  private:
   /// Where one image is encoded and then matched.
   struct Encoded {
+    GrayImage image;
+    int shrink = 0;  ///< that it is encoded with; 0: it is not
     nn::Tape<float> tape{nn::Mode::kInference};
     FeaturePyramid features;
   };
@@ -57,7 +60,7 @@ class MatchInference {
     MatchKind kind;
     MatchHint hint;
   };
-  void encode(const GrayImage& image, Encoded& encoded) const;
+  void encode(Encoded& encoded) const;
   nn::Var coarse_logits(const Encoded& from, Encoded& to, MatchKind kind, const MatchHint& hint);
   std::vector<NetworkAnswer> match(const Pair& pair, const std::vector<Eigen::Vector2d>& points);
   void match_some(const Pair& pair,
@@ -67,7 +70,7 @@ class MatchInference {
                   NetworkAnswer* answers) const;
 
   std::shared_ptr<MatchNetwork<float>> network_;
-  int shrink_;
+  int shrink_ = 1;
   std::unique_ptr<Encoded> left_before_;
   std::unique_ptr<Encoded> left_;
   std::unique_ptr<Encoded> right_;

@@ -68,7 +68,7 @@ void run(const Request& request) {
   Random random(1);
   const auto network = std::make_shared<vo::MatchNetwork<float>>(vo::MatchNetworkOptions(), random);
   network->fold();
-  vo::MatchInference inference(network, 1);
+  vo::MatchInference inference(network);
   const GrayImage left = random_image(request, random);
   const GrayImage right = random_image(request, random);
   std::vector<Eigen::Vector2d> points;
@@ -80,7 +80,7 @@ void run(const Request& request) {
              request.height, request.points, nn::name(nn::selected_instruction_set()),
              thread_count(), "[ms]", "min", "median");
   const auto nothing = [] {};
-  const auto advance = [&] { inference.advance(left, right); };
+  const auto advance = [&] { inference.advance(left, right, 1); };
   const auto flow = [&] { inference.flow(points, {0.0, 0.0}); };
   const auto stereo = [&] { inference.stereo(points); };
   nn::Tape<float> tape(nn::Mode::kInference);
