@@ -10,7 +10,8 @@ void LearnedMatcherOptions::describe(Config& config) {
   config.field("weights", weights, "file of the matching network; empty: the shipped one");
   config.field("max_points", max_points, "about how many points to follow");
   config.field("min_confidence", min_confidence, "a match less likely to be right is none [1]");
-  config.field("max_width", max_width, "wider images are shrunk for the network, by a whole factor [px]");
+  config.field("max_width", max_width,
+               "wider images are shrunk for the network, by a whole factor [px]");
   config.field("max_width_hard", max_width_hard, "likewise in blurred, dark or noisy frames [px]");
   config.field("min_contrast", min_contrast, "less around a point shows nothing [grey levels]");
   config.field("polish", polish, "Lucas-Kanade at full size, from the network's answer");
