@@ -182,31 +182,25 @@ TEST(MatchNetwork, AHintedGuessPlacesTheFineWindows) {
 }
 
 TEST(MatchNetwork, FoldedNormsGiveTheSameNumbers) {
-  MatchNetwork<float> network = random_network<float>();
+  MatchNetwork<double> network = random_network<double>();
   Random random(3);
-  for (nn::Parameter<float>* parameter : parameters_of(network)) {
+  for (nn::Parameter<double>* parameter : parameters_of(network)) {
     if (parameter->trainable || parameter->name.find("running") == std::string::npos) continue;
     for (Index i = 0; i < parameter->value.size(); ++i) {
-      parameter->value[i] += static_cast<float>(random.uniform(0.0, 0.5));
+      parameter->value[i] += random.uniform(0.0, 0.5);
     }
   }
   const TexturedPair pair(1, 53, 70, shifted_a_bit);
   const Tensor<double> points = random_points(random, 9, 53, 70, 0.0);
   for (const MatchKind kind : {MatchKind::kFlow, MatchKind::kStereo}) {
-    MatchNetwork<float> folded = network;
+    MatchNetwork<double> folded = network;
     folded.fold();
-    Tape<float> tape(Mode::kInference);
-    const vo::NetworkMatch before = match_pair(tape, network, pair, points, kind);
-    const vo::NetworkMatch after = match_pair(tape, folded, pair, points, kind);
-    const auto difference = [&](Var a, Var b) -> Eigen::ArrayXf {
-      return (tape.array(a) - tape.array(b)).abs();
-    };
-    EXPECT_LT(difference(before.levels[0].logits, after.levels[0].logits).maxCoeff(), 1e-3F);
-    // Rounding may choose another cell for a point between two that an untrained network likes.
-    const Eigen::ArrayXf moved =
-        difference(before.prediction.displacement, after.prediction.displacement);
-    EXPECT_LE((moved > 1e-3F).count(), moved.size() / 9);
-    nn::ParameterList<float> list;
+    Tape<double> tape(Mode::kInference);
+    // In double: in float rounding may choose another of two cells that are liked alike.
+    const Var before = match_pair(tape, network, pair, points, kind).prediction.displacement;
+    const Var after = match_pair(tape, folded, pair, points, kind).prediction.displacement;
+    EXPECT_LT((tape.array(before) - tape.array(after)).abs().maxCoeff(), 1e-9);
+    nn::ParameterList<double> list;
     EXPECT_THROW(folded.collect(list), ContractError);
   }
 }
