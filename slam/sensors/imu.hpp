@@ -12,6 +12,9 @@ struct ImuSample {
   Eigen::Vector3d angular_velocity = Eigen::Vector3d::Zero();     ///< [rad/s]
   Eigen::Vector3d linear_acceleration = Eigen::Vector3d::Zero();  ///< [m/s^2], specific force:
                                                                   ///< +9.81 upwards at rest
+  /// White noise on top of the datasheet's, as densities squared; a correction states it.
+  Eigen::Vector3d gyro_variance = Eigen::Vector3d::Zero();   ///< [(rad/s)^2/Hz]
+  Eigen::Vector3d accel_variance = Eigen::Vector3d::Zero();  ///< [(m/s^2)^2/Hz]
 };
 
 /// Slowly varying offsets: reading = truth + bias + noise.
