@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "slam/lie/nav_state.hpp"
+#include "slam/sensors/imu.hpp"
+#include "slam/sensors/motion.hpp"
+
+namespace imslam::training {
+
+/// Readings of an inertial sensor and the truth about its motion.
+struct InertialLog {
+  struct TrueState {
+    std::int64_t time_ns = 0;  ///< of the sensor's clock
+    lie::NavState nav;
+  };
+
+  std::string name;
+  std::vector<ImuSample> samples;  ///< stamps increase strictly
+  ImuNoise noise;                  ///< datasheet
+  std::vector<TrueState> truth;    ///< stamps increase strictly, within those of the samples
+  Eigen::Vector3d gravity_world{0.0, 0.0, -9.81};  ///< [m/s^2]
+};
+
+/// A stretch of a log over which its readings are integrated, and what they should have given.
+struct IntegrationWindow {
+  std::size_t first = 0;  ///< index of the true state it begins with
+  std::size_t last = 0;
+  ImuMotion motion;  ///< times, dR, dv, dp of the truth; see imu::motion_between()
+};
+
+}  // namespace imslam::training
