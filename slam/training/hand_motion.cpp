@@ -113,9 +113,11 @@ InertialMotion hand_motion(double duration_s, Random random) {
   const Person person(random);
   const Activity activity = Schedule(person, duration_s, random).make();
   const std::size_t count = activity.carried.size();
-  const double tempo_s = random.uniform(0.8, 2.5);
-  const VectorTrack sway = smooth_noise3(random, count, log_uniform(random, 0.02, 0.2), tempo_s);
-  const VectorTrack lean = smooth_noise3(random, count, log_uniform(random, 0.08, 0.6), tempo_s);
+  const double tempo_s = random.uniform(0.8, 2.5);  // what sways faster sways less
+  const VectorTrack sway = smooth_noise3(
+      random, count, std::pow(0.4 * tempo_s, 1.5) * log_uniform(random, 0.02, 0.25), tempo_s);
+  const VectorTrack lean =
+      smooth_noise3(random, count, 0.4 * tempo_s * log_uniform(random, 0.1, 0.7), tempo_s);
   const VectorTrack tremor = smooth_noise3(random, count, log_uniform(random, 2e-4, 2e-3), 0.0);
   const double tumbling = random.chance(0.25) ? random.uniform(0.2, 0.7) : 0.0;
   const VectorTrack tumble = smooth_noise3(random, count, tumbling, 2.0);
