@@ -25,6 +25,8 @@ SignalNode between(const SignalNode& a, const SignalNode& b, double fraction) {
   node.time_s = mix(a.time_s, b.time_s);
   node.rate = mix(a.rate, b.rate);
   node.force = mix(a.force, b.force);
+  node.gyro_variance = mix(a.gyro_variance, b.gyro_variance);
+  node.accel_variance = mix(a.accel_variance, b.accel_variance);
   node.time_slope = mix(a.time_slope, b.time_slope);
   node.rate_slope = mix(a.rate_slope, b.rate_slope);
   node.force_slope = mix(a.force_slope, b.force_slope);
@@ -112,6 +114,8 @@ void MidpointIntegrator::advance_derivatives(const StepDerivative& d,
   // White noise inside the step: its double integral has h^3/3, of which h^3/4 is in B_force.
   covariance_.bottomRightCorner<3, 3>().diagonal().array() +=
       accel_variance * d.h * d.h * d.h * d.h / 12.0;
+  add_variance(d, 0.5 / d.h * (a.gyro_variance + b.gyro_variance),
+               0.5 / d.h * (a.accel_variance + b.accel_variance));
 
   d.carry(J_bias_);
   J_bias_.leftCols<3>() -= d.B_rate;
@@ -129,6 +133,17 @@ void MidpointIntegrator::advance_derivatives(const StepDerivative& d,
     J_gap_ramp_.leftCols<3>() += ramp_ * d.B_rate;
     J_gap_ramp_.rightCols<3>() += ramp_ * d.B_force;
   }
+}
+
+void MidpointIntegrator::add_variance(const StepDerivative& d,
+                                      const Eigen::Vector3d& gyro,
+                                      const Eigen::Vector3d& accel) {
+  covariance_ += d.B_rate * gyro.asDiagonal() * d.B_rate.transpose() +
+                 d.B_force * accel.asDiagonal() * d.B_force.transpose();
+  // B_force is h M for the velocity; what is white inside the step has the axes of M, too.
+  const Eigen::Matrix3d hM = d.B_force.middleRows<3>(3);
+  covariance_.bottomRightCorner<3, 3>() +=
+      d.h * d.h / 12.0 * (hM * accel.asDiagonal() * hM.transpose());
 }
 
 ImuMotion MidpointIntegrator::motion() const {

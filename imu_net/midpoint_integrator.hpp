@@ -9,9 +9,11 @@ namespace imslam::imu {
 
 /// The inertial signal at one instant, and how all of it changes per second of time offset.
 struct SignalNode {
-  double time_s = 0.0;                              ///< [s] since a common origin, IMU time
-  Eigen::Vector3d rate = Eigen::Vector3d::Zero();   ///< [rad/s]
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [m/s^2]
+  double time_s = 0.0;                                      ///< [s] since a common origin, IMU time
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();           ///< [rad/s]
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();          ///< [m/s^2]
+  Eigen::Vector3d gyro_variance = Eigen::Vector3d::Zero();  ///< on top of the datasheet's, see
+  Eigen::Vector3d accel_variance = Eigen::Vector3d::Zero();  ///< ImuSample
 
   double time_slope = 0.0;                                ///< 1 at the ends, 0 at samples
   Eigen::Vector3d rate_slope = Eigen::Vector3d::Zero();   ///< [rad/s^2]
@@ -62,6 +64,11 @@ class MidpointIntegrator {
   void add_steps(const SignalNode& a, const SignalNode& b, int steps);
   void step(const SignalNode& a, const SignalNode& b);
   void advance_derivatives(const StepDerivative& d, const SignalNode& a, const SignalNode& b);
+
+  /// White noise per axis on the mean reading of the step, on top of the datasheet's.
+  void add_variance(const StepDerivative& d,
+                    const Eigen::Vector3d& gyro,
+                    const Eigen::Vector3d& accel);
 
   ImuBias bias_;
   ImuNoise noise_;

@@ -45,6 +45,8 @@ class IntervalWalk {
     result.time_s = seconds(sample);
     result.rate = sample.angular_velocity;
     result.force = sample.linear_acceleration;
+    result.gyro_variance = sample.gyro_variance;
+    result.accel_variance = sample.accel_variance;
     return result;
   }
   const ImuSample* first_sample() const;
