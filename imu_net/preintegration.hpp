@@ -14,6 +14,8 @@ class Config;
 
 namespace imslam::imu {
 
+struct PreintegrationRecord;
+
 struct PreintegrationOptions {
   double max_gap_s = 0.05;    ///< [s] a longer stretch without samples marks the motion degraded
   double max_bridge_s = 2.0;  ///< [s] a longer one makes it invalid
@@ -45,6 +47,7 @@ struct PreintegrationOptions {
 ///   degraded   a gap > max_gap_s or a saturated reading was bridged
 ///   !valid     a gap > max_bridge_s or no usable reading: zero motion, covariance 1e6 I
 ///
+/// `record` takes what preintegration_gradient.hpp needs.
 /// Throws ContractError unless time0_ns < time1_ns and |time_offset_s| <= 1000.
 ImuMotion preintegrate(ImuRange samples,
                        std::int64_t time0_ns,
@@ -52,7 +55,8 @@ ImuMotion preintegrate(ImuRange samples,
                        const ImuBias& bias,
                        const ImuNoise& noise,
                        double time_offset_s = 0.0,
-                       const PreintegrationOptions& options = {});
+                       const PreintegrationOptions& options = {},
+                       PreintegrationRecord* record = nullptr);
 
 /// The motion as it would be with another bias, to first order:
 /// dR Exp(J_dR_bias d), dv + J_dv_bias d, dp + J_dp_bias d,   d = new_bias - motion.bias.
