@@ -107,8 +107,8 @@ class LossOfLog {
     const Index bin = bin_at(truth.time0_ns);
     if (bin < 0) return false;
     const ImuRange around = ImuRange(samples_).around(truth.time0_ns, truth.time1_ns);
-    const ImuMotion motion =
-        preintegrate(around, truth.time0_ns, truth.time1_ns, ImuBias(), task_.noise);
+    const ImuMotion motion = preintegrate(around, truth.time0_ns, truth.time1_ns, ImuBias(),
+                                          task_.noise, 0.0, {}, &record_);
     if (!motion.valid || motion.degraded) return false;
 
     const ImuBias& sigma = corrections_[static_cast<std::size_t>(bin)].sigma;
@@ -142,18 +142,14 @@ class LossOfLog {
       out.log_sigma[place(axis, bin, 0)] += 2.0 * variance[axis] * d_variance[axis];
       out.log_sigma[place(axis, bin, 1)] += 2.0 * variance[3 + axis] * d_variance[3 + axis];
     }
-    send_back(around, truth, dL, out);
+    send_back(around, dL, out);
     return true;
   }
 
   /// From the integrated motion to the answers that went into it.
-  void send_back(ImuRange around,
-                 const ImuMotion& truth,
-                 const MotionGradient& dL,
-                 AnswerGradient out) {
+  void send_back(ImuRange around, const MotionGradient& dL, AnswerGradient out) {
     gradients_.assign(around.size(), SampleGradient());
-    add_preintegration_gradient(around, truth.time0_ns, truth.time1_ns, ImuBias(), task_.noise, 0.0,
-                                PreintegrationOptions(), dL, gradients_.data());
+    add_preintegration_gradient(record_, dL, gradients_.data());
     const auto first = static_cast<std::size_t>(around.begin() - samples_.data());
     for (std::size_t i = 0; i < around.size(); ++i) {
       const Index bin = bin_of_sample_[first + i];
@@ -178,14 +174,13 @@ class LossOfLog {
   std::vector<ImuCorrection> corrections_;
   std::vector<ImuSample> samples_;
   std::vector<Index> bin_of_sample_;
+  PreintegrationRecord record_;  ///< of the present window
   std::vector<SampleGradient> gradients_;
 };
 
 }  // namespace
 
-double robust_square(double x) {
-  return x > kRobust ? 2.0 * std::sqrt(kRobust * x) - kRobust : x;
-}
+double robust_square(double x) { return x > kRobust ? 2.0 * std::sqrt(kRobust * x) - kRobust : x; }
 
 template <typename S>
 Var correction_loss(nn::Tape<S>& tape, const ImuAnswer& answer, const CorrectionTask& task) {

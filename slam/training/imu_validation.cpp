@@ -33,7 +33,8 @@ std::vector<InertialLog> validation_logs(const ImuTrainingOptions& options) {
 /// The loss that correction_loss() gives this window.
 double loss_of(const WindowError& window) {
   const double square = window.nees();
-  const double log_det = 2.0 * window.negative_log_likelihood() - square - 9.0 * std::log(2.0 * M_PI);
+  const double log_det =
+      2.0 * window.negative_log_likelihood() - square - 9.0 * std::log(2.0 * M_PI);
   return 0.5 * (imu::robust_square(square / 9.0) + log_det / 9.0);
 }
 
@@ -71,7 +72,8 @@ std::string ImuQuality::columns() {
 
 std::string ImuQuality::row() const {
   return fmt::format("{:.4f},{:.3f},{:.4f},{:.3f},{:.4f},{:.4f},{:.4f},{:.4f}", rotation_deg,
-                     rotation_gain, position_m, position_gain, nees[0], nees[1], nees[2], inside_95);
+                     rotation_gain, position_m, position_gain, nees[0], nees[1], nees[2],
+                     inside_95);
 }
 
 ImuValidation::ImuValidation(const ImuTrainingOptions& options) : logs_(validation_logs(options)) {

@@ -12,13 +12,13 @@ namespace imslam::training {
 
 /// How well corrected readings integrate over 1, 5 and 10 s.
 struct ImuQuality {
-  double loss = 0.0;            ///< mean over all windows, as in training
-  double rotation_deg = 0.0;    ///< RMS over 10 s
-  double rotation_gain = 0.0;   ///< of the raw readings' over it: how many times better
-  double position_m = 0.0;      ///< RMS over 10 s
-  double position_gain = 0.0;   ///< likewise
-  double nees[3] = {0, 0, 0};   ///< per degree of freedom, over 1, 5, 10 s: 1 is right; median
-  double inside_95 = 0.0;       ///< share of all windows within their 95 % bound
+  double loss = 0.0;           ///< mean over all windows, as in training
+  double rotation_deg = 0.0;   ///< RMS over 10 s
+  double rotation_gain = 0.0;  ///< of the raw readings' over it: how many times better
+  double position_m = 0.0;     ///< RMS over 10 s
+  double position_gain = 0.0;  ///< likewise
+  double nees[3] = {0, 0, 0};  ///< per degree of freedom, over 1, 5, 10 s: 1 is right; median
+  double inside_95 = 0.0;      ///< share of all windows within their 95 % bound
 
   std::string text() const;  ///< one line
   std::string row() const;   ///< all figures but the loss, comma separated
