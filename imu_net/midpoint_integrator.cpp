@@ -79,10 +79,10 @@ void MidpointIntegrator::step(const SignalNode& a, const SignalNode& b) {
   in.rate_variance = (0.5 * (a.gyro_variance + b.gyro_variance).array() + gyro_density_sq_) / in.h;
   in.force_variance =
       (0.5 * (a.accel_variance + b.accel_variance).array() + accel_density_sq_) / in.h;
-  const MidpointStep step(in, dR_);
-
-  const Eigen::Matrix<double, 9, 3> A_Sigma_R = step.carry_covariance(covariance_);
-  if (record_ != nullptr) record_->push_back({step, A_Sigma_R, 0.5 * (a.time_s + b.time_s)});
+  RecordedStep taken{MidpointStep(in, dR_), {}, 0.5 * (a.time_s + b.time_s)};
+  const MidpointStep& step = taken.step;
+  taken.A_Sigma_R = step.carry_covariance(covariance_);
+  if (record_ != nullptr) record_->push_back(taken);
   carry_bias(step);
   carry_time_offset(step, a, b);
   if (in_gap_) carry_gap(step);

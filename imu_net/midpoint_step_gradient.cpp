@@ -1,6 +1,6 @@
 #include "imu_net/midpoint_step_gradient.hpp"
 
-#include "imu_net/right_jacobian_gradient.hpp"
+#include "imu_net/right_jacobian.hpp"
 
 namespace imslam::imu {
 

@@ -160,10 +160,17 @@ TEST(PreintegrationGradient, IsExactInAGapButForTheSpread) {
   expect_jacobians_agree(actual, expected, interval.name);
 }
 
-TEST(PreintegrationGradient, ReachesTheSampleThatIsHeldAtTheEnd) {
-  Interval interval{"held", swaying(), 0.97, 1.004};
-  ASSERT_FALSE(interval.run().degraded);
-  expect_exact(interval);
+TEST(PreintegrationGradient, ReachesTheSampleThatIsHeldAtAnEnd) {
+  const Interval late{"held at the end", swaying(), 0.97, 1.004};
+  const Interval early{"held at the beginning", swaying(), -0.004, 0.0287};
+  const Interval alone{"one sample", {swaying()[60]}, 0.296, 0.303};
+  for (const Interval& interval : {late, early}) {
+    ASSERT_FALSE(interval.run().degraded);
+    expect_exact(interval);
+  }
+  const Inputs inputs{0, 1};
+  expect_jacobians_agree(analytic_jacobian(alone, inputs), central_differences(alone, inputs),
+                         alone.name);
 }
 
 TEST(PreintegrationGradient, OfALikelihoodMatchesCentralDifferences) {

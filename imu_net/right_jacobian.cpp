@@ -1,4 +1,4 @@
-#include "imu_net/right_jacobian_gradient.hpp"
+#include "imu_net/right_jacobian.hpp"
 
 #include <array>
 #include <cmath>
@@ -7,9 +7,8 @@
 namespace imslam::imu {
 namespace {
 
-/// alpha and beta, and their derivatives by t, divided by t.
 struct Coefficients {
-  double alpha, beta, alpha_slope, beta_slope;
+  double alpha, beta;
 };
 
 /// Below this squared angle the closed forms lose digits and the series are exact to rounding.
@@ -33,27 +32,44 @@ constexpr std::array<double, 6> kBetaSlope{1.0 / 60,      1.0 / 1260,      1.0 /
                                            1.0 / 4989600, 1.0 / 622702080, 1.0 / 108972864000};
 
 Coefficients coefficients(double x) {  // x = t^2
-  if (x < kSeriesAngleSquared) {
-    return {alternating(x, kAlpha), alternating(x, kBeta), -alternating(x, kAlphaSlope),
-            -alternating(x, kBetaSlope)};
-  }
+  if (x < kSeriesAngleSquared) return {alternating(x, kAlpha), alternating(x, kBeta)};
   const double t = std::sqrt(x);
-  const double alpha = (1.0 - std::cos(t)) / x;
-  const double beta = (t - std::sin(t)) / (x * t);
-  return {alpha, beta, (std::sin(t) / t - 2.0 * alpha) / x, (alpha - 3.0 * beta) / x};
+  return {(1.0 - std::cos(t)) / x, (t - std::sin(t)) / (x * t)};
+}
+
+/// Their derivatives by t, divided by t.
+Coefficients slopes(double x, const Coefficients& c) {
+  if (x < kSeriesAngleSquared) return {-alternating(x, kAlphaSlope), -alternating(x, kBetaSlope)};
+  return {(1.0 - c.beta * x - 2.0 * c.alpha) / x, (c.alpha - 3.0 * c.beta) / x};
 }
 
 }  // namespace
 
+Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& w) {
+  const double x = w.squaredNorm();
+  const Coefficients c = coefficients(x);
+  const Eigen::Vector3d a = c.alpha * w;
+  Eigen::Matrix3d J = (c.beta * w) * w.transpose();
+  J.diagonal().array() += 1.0 - c.beta * x;
+  J(0, 1) += a.z();
+  J(1, 0) -= a.z();
+  J(2, 0) += a.y();
+  J(0, 2) -= a.y();
+  J(1, 2) += a.x();
+  J(2, 1) -= a.x();
+  return J;
+}
+
 Eigen::Vector3d right_jacobian_gradient(const Eigen::Vector3d& w, const Eigen::Matrix3d& D) {
-  const double angle_sq = w.squaredNorm();
-  const Coefficients c = coefficients(angle_sq);
+  const double x = w.squaredNorm();
+  const Coefficients c = coefficients(x);
+  const Coefficients slope = slopes(x, c);
   // [a]x [b]x = b a^T - (a . b) I turns every product of two skew matrices into vectors.
   const Eigen::Vector3d D_axial = axial(D);
   const Eigen::Vector3d D_w = D * w;
   const double trace = D.trace();
-  const double along = c.beta_slope * (w.dot(D_w) - angle_sq * trace) -
-                       c.alpha_slope * w.dot(D_axial) - 2.0 * c.beta * trace;
+  const double along =
+      slope.beta * (w.dot(D_w) - x * trace) - slope.alpha * w.dot(D_axial) - 2.0 * c.beta * trace;
   return along * w - c.alpha * D_axial + c.beta * (D_w + D.transpose() * w);
 }
 
