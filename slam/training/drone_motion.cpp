@@ -19,18 +19,20 @@ constexpr double kContact_m = 0.15;  ///< height at which the ground no longer d
 struct Flight {
   explicit Flight(Random& random)
       : speed(log_uniform(random, 0.3, 4.0)),
-        width_s(std::clamp(2.25 * speed / random.uniform(1.0, 7.0), 0.4, 4.0)),
-        drag(random.uniform(0.05, 0.45)),
-        wind(random.chance(0.5) ? random.uniform(0.0, 2.0) : 0.1),
-        jitter_m(log_uniform(random, 2e-5, 4e-4)),
+        width_s(std::clamp(2.25 * speed / random.uniform(1.0, 7.0), 0.9, 4.0)),
+        climb_width_s(1.5 * width_s + 0.4),
+        drag(random.uniform(0.05, 0.4)),
+        wind(random.chance(0.5) ? random.uniform(0.0, 1.2) : 0.1),
+        jitter_m(log_uniform(random, 5e-5, 8e-4)),
         turning(random.uniform(0.2, 1.2)) {}
 
-  double speed;     ///< [m/s] of the fastest commands
-  double width_s;   ///< [s] over which commands are smoothed
-  double drag;      ///< [1/s]
-  double wind;      ///< [m/s] sigma per axis
-  double jitter_m;  ///< [m] sigma of the controller's restlessness
-  double turning;   ///< [rad/s] sigma of the commanded yaw rates
+  double speed;          ///< [m/s] of the fastest commands
+  double width_s;        ///< [s] over which commands are smoothed
+  double climb_width_s;  ///< [s] likewise, of climbing: thrust must stay well above zero
+  double drag;           ///< [1/s]
+  double wind;           ///< [m/s] sigma per axis
+  double jitter_m;       ///< [m] sigma of the controller's restlessness
+  double turning;        ///< [rad/s] sigma of the commanded yaw rates
 };
 
 /// Commands by knot, and what happens when.
@@ -82,15 +84,15 @@ class Pilot {
     hold(random_.uniform(0.0, std::min(15.0, 0.4 * duration_s_)), Vector3d::Zero(), 0.0);
     const double rotors_s = now_s();
     const double idle = random_.uniform(0.2, 0.8);
-    hold(random_.uniform(1.0, 5.0) + 0.5 * flight_.width_s, Vector3d::Zero(), 0.0);
-    const double take_off_s = now_s() - 0.5 * flight_.width_s;
+    hold(random_.uniform(1.0, 5.0) + 0.5 * flight_.climb_width_s, Vector3d::Zero(), 0.0);
+    const double take_off_s = now_s() - 0.5 * flight_.climb_width_s;
     commands_.vibration = {{rotors_s, 0.0, 0.0},
                            {rotors_s + 0.8, idle, idle},
                            {take_off_s, idle, idle},
                            {take_off_s + 0.2, 1.0, 1.0}};
     const double climb = random_.uniform(0.4, 1.0) * std::min(2.0, 0.5 + flight_.speed);
     const double height = std::max(random_.uniform(1.0, 4.0), kLowest_m + 0.1);
-    hold(std::max(height / climb, 0.5 * flight_.width_s), climb * Vector3d::UnitZ(), 0.0);
+    hold(std::max(height / climb, 0.5 * flight_.climb_width_s), climb * Vector3d::UnitZ(), 0.0);
   }
 
   void manoeuvre() {
@@ -116,7 +118,7 @@ class Pilot {
     const double descent = random_.uniform(0.3, 1.0);
     const double knots = std::ceil(height_ / (descent * kKnot_s));
     hold((knots - 0.5) * kKnot_s, {0.0, 0.0, -height_ / (knots * kKnot_s)}, 0.0);
-    const double touch_s = now_s() + 0.5 * flight_.width_s;
+    const double touch_s = now_s() + 0.5 * flight_.climb_width_s;
     const double off_s = touch_s + random_.uniform(0.2, 2.0);
     commands_.vibration.push_back({touch_s, 1.0, 1.0});
     commands_.vibration.push_back({touch_s + 0.2, 0.4, 0.4});
@@ -138,6 +140,25 @@ double lifted(double height_m) {
   return x * x * (3.0 - 2.0 * x);
 }
 
+/// Second derivative of a spline's positions, sharpened: the spline rounds attitudes more than it
+/// rounds accelerations, by two boxes of one knot or, to second order, by a twelfth of the second
+/// difference; the thrust shall still point along the acceleration.
+VectorTrack felt_acceleration(const VectorTrack& position) {
+  const auto second_difference = [](const VectorTrack& track, std::size_t k) -> Vector3d {
+    const std::size_t inner = std::clamp<std::size_t>(k, 1, track.size() - 2);
+    return track[inner + 1] - 2.0 * track[inner] + track[inner - 1];
+  };
+  VectorTrack rough(position.size());
+  for (std::size_t k = 0; k < position.size(); ++k) {
+    rough[k] = second_difference(position, k) / (kKnot_s * kKnot_s);
+  }
+  VectorTrack sharp(position.size());
+  for (std::size_t k = 0; k < position.size(); ++k) {
+    sharp[k] = rough[k] - second_difference(rough, k) / 12.0;
+  }
+  return sharp;
+}
+
 /// The shortest rotation that carries z to `up`, a unit vector that does not point down.
 lie::SO3d tilt_towards(const Vector3d& up) {
   return lie::SO3d(Eigen::Quaterniond(1.0 + up.z(), -up.y(), up.x(), 0.0));
@@ -149,12 +170,14 @@ InertialMotion drone_motion(double duration_s, Random random) {
   const Flight flight(random);
   Commands commands = Pilot(flight, duration_s, random).fly();
   const std::size_t count = commands.velocity.size();
-  const VectorTrack velocity = smoothed(std::move(commands.velocity), flight.width_s);
+  VectorTrack velocity = smoothed(commands.velocity, flight.width_s);
+  const VectorTrack climbing = smoothed(std::move(commands.velocity), flight.climb_width_s);
+  for (std::size_t k = 0; k < count; ++k) velocity[k].z() = climbing[k].z();
   const ScalarTrack yaw =
       integrated(smoothed(std::move(commands.yaw_rate), 0.6), random.uniform(0.0, 2.0 * M_PI));
   VectorTrack position = integrated(velocity, Vector3d(0.0, 0.0, commands.start_height));
   const VectorTrack wind = smooth_noise3(random, count, flight.wind, random.uniform(1.0, 4.0));
-  const VectorTrack jitter = smooth_noise3(random, count, flight.jitter_m, 0.0);
+  const VectorTrack jitter = smooth_noise3(random, count, flight.jitter_m, 0.3);
   const Vector3d ground =
       Vector3d(0.03 * random.normal(), 0.03 * random.normal(), 1.0).normalized();
 
@@ -163,15 +186,12 @@ InertialMotion drone_motion(double duration_s, Random random) {
     air[k] = lifted(position[k].z());
     position[k] += air[k] * jitter[k];
   }
+  const VectorTrack acceleration = felt_acceleration(position);
   InertialMotion motion;
   motion.T_world_vehicle.reserve(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const Vector3d& before = position[k == 0 ? 0 : k - 1];
-    const Vector3d& after = position[std::min(k + 1, count - 1)];
-    Vector3d a = (after - 2.0 * position[k] + before) / (kKnot_s * kKnot_s);
-    if (k == 0 || k + 1 == count) a.setZero();
-    const Vector3d thrust =
-        a + simulation::kGravity * Vector3d::UnitZ() + flight.drag * (velocity[k] - wind[k]);
+    const Vector3d thrust = acceleration[k] + simulation::kGravity * Vector3d::UnitZ() +
+                            flight.drag * (velocity[k] - wind[k]);
     const Vector3d up = ((1.0 - air[k]) * ground + air[k] * thrust.normalized()).normalized();
     const lie::SO3d R = tilt_towards(up) * lie::SO3d::exp(yaw[k] * Vector3d::UnitZ());
     motion.T_world_vehicle.emplace_back(R, position[k]);

@@ -21,7 +21,7 @@ using VectorTrack = Track<Eigen::Vector3d>;
 
 /// Knots of the half width of one of the three boxes that smooth over `width_s` altogether.
 inline std::size_t box_half_width(double width_s) {
-  return static_cast<std::size_t>(std::max(0.0, std::floor(width_s / (6.0 * kKnot_s))));
+  return static_cast<std::size_t>(std::max(0.0, std::floor(width_s / (6.0 * kKnot_s) + 1e-9)));
 }
 
 /// Moving average of 2 half_width + 1 values; ends are continued as constants.

@@ -41,7 +41,7 @@ Wheels drive(std::size_t count, Random& random) {
       hold(random.uniform(2.0, 10.0), speed, random.chance(0.5) ? 0.4 * turn : 0.0);
     }
   }
-  const double reaction_s = random.uniform(0.4, 1.2);
+  const double reaction_s = std::clamp(2.25 * top_speed / random.uniform(0.5, 2.5), 0.4, 3.0);
   wheels.speed = smoothed(std::move(wheels.speed), reaction_s);
   wheels.turn_rate = smoothed(std::move(wheels.turn_rate), reaction_s);
   return wheels;
