@@ -20,6 +20,16 @@ InertialMethod::Result uncorrected(const InertialLog& log) {
   return result;
 }
 
+/// What the truth says about the rest: smooth straight travel looks alike.
+std::string true_speed(const InertialLog& log, std::int64_t time_ns) {
+  for (const InertialLog::TrueState& state : log.truth) {
+    if (state.time_ns < time_ns) continue;
+    if (state.time_ns > time_ns + kSecond_ns) break;
+    return fmt::format("; true speed {:.2f} m/s", state.nav.v_world.norm());
+  }
+  return "";
+}
+
 InertialMethod::Result remove_rest_bias(const InertialLog& log,
                                         const imu::StaticDetectorOptions& options) {
   InertialMethod::Result result = uncorrected(log);
@@ -46,8 +56,9 @@ InertialMethod::Result remove_rest_bias(const InertialLog& log,
     entry.sigma.accel.setConstant(log.noise.accel_bias_sigma);
     corrected.bias_sigma.push_back(entry);
   }
-  result.remark = fmt::format("at rest {:.2f} s after the first sample",
-                              to_seconds(*start_ns - log.samples.front().time_ns));
+  result.remark =
+      fmt::format("seems at rest {:.2f} s after the first sample{}",
+                  to_seconds(*start_ns - log.samples.front().time_ns), true_speed(log, *start_ns));
   return result;
 }
 
