@@ -151,8 +151,9 @@ InertialMethod graph_bias_method(const GraphBiasOptions& options) {
             InertialMethod::Result result;
             result.correction.corrected = {log.samples, std::move(graph.bias_sigma)};
             result.correction.start_bias = std::move(graph.biases);
-            result.remark = fmt::format("{} states, {}", result.correction.start_bias.size(),
-                                        graph.report.reason);
+            result.remark =
+                fmt::format("{} states{}", result.correction.start_bias.size(),
+                            graph.report.converged ? "" : ", not solved: " + graph.report.reason);
             return result;
           }};
 }
