@@ -38,6 +38,7 @@ class GraphBiasEstimator {
   const InertialLog& log_;
   const GraphBiasOptions& options_;
   ImuNoise noise_;
+  std::vector<bool> jump_;         ///< per state: the truth jumps between the one before and it
   std::vector<pgo::State> start_;  ///< true states, in a world with gravity along -z; no bias
 };
 
@@ -45,7 +46,11 @@ void GraphBiasEstimator::choose_states() {
   // The graph's gauge is position and heading about z.
   const lie::SO3d R_level_world = imu::upright_rotation(-log_.gravity_world);
   const std::int64_t step_ns = to_nanoseconds(options_.interval_s);
-  for (const InertialLog::TrueState& truth : log_.truth) {
+  auto jump = log_.truth_jumps.begin();
+  bool jumped = false;
+  for (std::size_t i = 0; i < log_.truth.size(); ++i) {
+    const InertialLog::TrueState& truth = log_.truth[i];
+    for (; jump != log_.truth_jumps.end() && *jump <= i; ++jump) jumped = true;
     // A tenth early is near enough: stamps jitter.
     if (!start_.empty() && truth.time_ns - start_.back().time_ns < step_ns - step_ns / 10) continue;
     pgo::State state;
@@ -54,6 +59,8 @@ void GraphBiasEstimator::choose_states() {
         lie::SE3d(R_level_world, Eigen::Vector3d::Zero()) * truth.nav.T_world_body;
     state.nav.v_world = R_level_world * truth.nav.v_world;
     start_.push_back(state);
+    jump_.push_back(jumped);
+    jumped = false;
   }
 }
 
@@ -91,7 +98,7 @@ pgo::PoseVelocityGraph GraphBiasEstimator::graph(const std::vector<pgo::State>& 
   const std::vector<ImuMotion> motions = integrate(states);
   for (std::size_t i = 0; i < motions.size(); ++i) {
     const int from = static_cast<int>(i);
-    graph.add_visual_edge(from, from + 1, visual_motion(i));
+    if (!jump_[i + 1]) graph.add_visual_edge(from, from + 1, visual_motion(i));
     if (motions[i].valid) graph.add_imu_edge(from, from + 1, motions[i]);
   }
   graph.anchor_position_and_heading(0, start_.front().nav.T_world_body);
@@ -144,8 +151,9 @@ InertialMethod graph_bias_method(const GraphBiasOptions& options) {
             InertialMethod::Result result;
             result.correction.corrected = {log.samples, std::move(graph.bias_sigma)};
             result.correction.start_bias = std::move(graph.biases);
-            result.remark = fmt::format("{} states, {}", result.correction.start_bias.size(),
-                                        graph.report.reason);
+            result.remark =
+                fmt::format("{} states{}", result.correction.start_bias.size(),
+                            graph.report.converged ? "" : ", not solved: " + graph.report.reason);
             return result;
           }};
 }

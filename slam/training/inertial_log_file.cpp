@@ -14,6 +14,7 @@
 #include "slam/base/error.hpp"
 #include "slam/base/log.hpp"
 #include "slam/training/truth_file.hpp"
+#include "slam/training/truth_jumps.hpp"
 
 namespace imslam::training {
 namespace {
@@ -128,8 +129,10 @@ void cut_to_samples(Raw& raw) {
   raw.truth = std::move(cut);
 }
 
-VelocityFit velocities_of(const Raw& raw, const GravityFit& gravity) {
-  VelocityFit fit = fit_velocities(raw.samples, raw.noise, raw.truth.path, gravity);
+VelocityFit velocities_of(const Raw& raw,
+                          const std::vector<std::size_t>& jumps,
+                          const GravityFit& gravity) {
+  VelocityFit fit = fit_velocities(raw.samples, raw.noise, raw.truth.path, jumps, gravity);
   if (raw.truth.velocities.empty()) return fit;
   const double interval_s = 4.0 * fit.polynomial.half_width_s;
   const VelocityCheck check(raw.samples, raw.noise, raw.truth.path, gravity, interval_s);
@@ -150,18 +153,27 @@ InertialLogReading read_inertial_log(const fs::path& path, const InertialLogFile
   Raw raw = read_raw(given, options);
   cut_to_samples(raw);
   InertialLogReading reading;
-  reading.gravity = fit_gravity(raw.samples, raw.noise, raw.truth.path);
-  reading.velocity = velocities_of(raw, reading.gravity);
+  const Trajectory& poses = raw.truth.path;
+  reading.gravity = fit_gravity(raw.samples, raw.noise, poses);
+  const auto jumps = find_jumps(raw.samples, raw.noise, poses, reading.gravity);
+  reading.velocity = velocities_of(raw, jumps, reading.gravity);
   InertialLog& log = reading.log;
-  log.name = std::move(raw.name);
+  log.name = raw.name;
   log.noise = raw.noise;
-  log.samples = std::move(raw.samples);
   log.gravity_world = reading.gravity.gravity_world;
-  for (std::size_t i = 0; i < raw.truth.path.size(); ++i) {
+  auto jump = jumps.begin();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!reading.velocity.known[i]) continue;
-    log.truth.push_back(
-        {raw.truth.path.times_ns[i], {raw.truth.path.poses[i], reading.velocity.velocities[i]}});
+    if (jump != jumps.end() && *jump <= i) log.truth_jumps.push_back(log.truth.size());
+    while (jump != jumps.end() && *jump <= i) ++jump;
+    log.truth.push_back({poses.times_ns[i], {poses.poses[i], reading.velocity.velocities[i]}});
   }
+  if (log.truth.size() < 2) {
+    throw InputError(raw.imu_file.string() +
+                     ": its truth is too short or too full of gaps to tell a velocity; expected at "
+                     "least a second of poses");
+  }
+  log.samples = std::move(raw.samples);
   return reading;
 }
 

@@ -20,6 +20,16 @@ InertialMethod::Result uncorrected(const InertialLog& log) {
   return result;
 }
 
+/// What the truth says about the rest: smooth straight travel looks alike.
+std::string true_speed(const InertialLog& log, std::int64_t time_ns) {
+  for (const InertialLog::TrueState& state : log.truth) {
+    if (state.time_ns < time_ns) continue;
+    if (state.time_ns > time_ns + kSecond_ns) break;
+    return fmt::format("; true speed {:.2f} m/s", state.nav.v_world.norm());
+  }
+  return "";
+}
+
 InertialMethod::Result remove_rest_bias(const InertialLog& log,
                                         const imu::StaticDetectorOptions& options) {
   InertialMethod::Result result = uncorrected(log);
@@ -30,24 +40,22 @@ InertialMethod::Result remove_rest_bias(const InertialLog& log,
     result.remark = "never at rest: as raw";
     return result;
   }
-  const std::int64_t end_ns = *start_ns + kSecond_ns;
   auto& corrected = result.correction.corrected;
-  for (ImuSample& sample : corrected.samples) {
-    if (sample.time_ns >= end_ns) sample.angular_velocity -= rest->bias.gyro;
-  }
-  corrected.bias_sigma.push_back({log.samples.front().time_ns, ImuBias()});
+  for (ImuSample& sample : corrected.samples) sample.angular_velocity -= rest->bias.gyro;
   const double walk_squared = log.noise.gyro_random_walk * log.noise.gyro_random_walk;
-  for (std::int64_t t = end_ns; t <= log.samples.back().time_ns; t += kSecond_ns) {
+  for (std::int64_t t = log.samples.front().time_ns; t <= log.samples.back().time_ns;
+       t += kSecond_ns) {
+    const double away_s = std::abs(to_seconds(t - *start_ns));
     imu::StampedBiasSigma entry;
     entry.time_ns = t;
     entry.sigma.gyro =
-        (rest->gyro_bias_covariance.diagonal().array() + walk_squared * to_seconds(t - end_ns))
-            .sqrt();
+        (rest->gyro_bias_covariance.diagonal().array() + walk_squared * away_s).sqrt();
     entry.sigma.accel.setConstant(log.noise.accel_bias_sigma);
     corrected.bias_sigma.push_back(entry);
   }
-  result.remark = fmt::format("at rest {:.2f} s after the first sample",
-                              to_seconds(*start_ns - log.samples.front().time_ns));
+  result.remark =
+      fmt::format("seems at rest {:.2f} s after the first sample{}",
+                  to_seconds(*start_ns - log.samples.front().time_ns), true_speed(log, *start_ns));
   return result;
 }
 

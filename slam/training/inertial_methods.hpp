@@ -25,9 +25,9 @@ struct InertialMethod {
 InertialMethod raw_method();
 
 /// What an IMU alone learns at rest: the gyro bias is the mean of the first still second
-/// (imu::align_to_gravity) and is subtracted from the end of that second on, sure to within its
-/// own scatter and a random walk since. The accelerometer's bias cannot be seen at rest: it stays
-/// as unknown as the sensor's kind allows. Before the rest, or without one: as raw.
+/// (imu::align_to_gravity) and is subtracted from the whole log, sure to within its own scatter and
+/// a random walk since. The accelerometer's bias cannot be seen at rest: it stays as unknown as the
+/// sensor's kind allows. Without a rest: as raw.
 InertialMethod rest_bias_method(const imu::StaticDetectorOptions& options = {});
 
 /// From a function that corrects the readings themselves, e.g. a network.

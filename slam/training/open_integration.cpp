@@ -26,6 +26,19 @@ std::vector<std::int64_t> stamps(const InertialLog& log) {
   return times_ns;
 }
 
+IntegrationWindow true_window(const InertialLog& log, std::size_t first, std::size_t last) {
+  const auto& a = log.truth[first];
+  const auto& b = log.truth[last];
+  IntegrationWindow window;
+  window.first = first;
+  window.last = last;
+  window.motion =
+      imu::motion_between(a.nav, b.nav, to_seconds(b.time_ns - a.time_ns), log.gravity_world);
+  window.motion.time0_ns = a.time_ns;
+  window.motion.time1_ns = b.time_ns;
+  return window;
+}
+
 /// The sigma that holds at `time_ns`; before the first one: that one.
 Vector6 bias_sigma_at(const std::vector<imu::StampedBiasSigma>& sigmas, std::int64_t time_ns) {
   if (sigmas.empty()) return Vector6::Zero();
@@ -67,17 +80,12 @@ std::vector<IntegrationWindow> integration_windows(const InertialLog& log,
   std::vector<IntegrationWindow> windows;
   for (std::size_t i = 0; i < times_ns.size();) {
     const auto end = index_near(times_ns, times_ns[i] + length_ns, tolerance_ns);
-    if (end && *end > i) {
-      IntegrationWindow window;
-      window.first = i;
-      window.last = *end;
-      const double dt_s = to_seconds(times_ns[*end] - times_ns[i]);
-      window.motion =
-          imu::motion_between(log.truth[i].nav, log.truth[*end].nav, dt_s, log.gravity_world);
-      window.motion.time0_ns = times_ns[i];
-      window.motion.time1_ns = times_ns[*end];
-      windows.push_back(window);
+    const auto jump = std::upper_bound(log.truth_jumps.begin(), log.truth_jumps.end(), i);
+    if (end && jump != log.truth_jumps.end() && *jump <= *end) {
+      i = *jump;
+      continue;
     }
+    if (end && *end > i) windows.push_back(true_window(log, i, *end));
     const auto next = index_near(times_ns, times_ns[i] + stride_ns, tolerance_ns);
     i = next ? std::max(*next, i + 1) : i + 1;
   }

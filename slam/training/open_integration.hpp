@@ -28,7 +28,7 @@ struct OpenIntegrationOptions {
 };
 
 /// Windows of one length from true state to true state. Where the truth has no state within 5 % of
-/// the length of the end sought, there is no window.
+/// the length of the end sought, there is no window; none spans a jump of the truth.
 std::vector<IntegrationWindow> integration_windows(const InertialLog& log,
                                                    const OpenIntegrationOptions& options);
 

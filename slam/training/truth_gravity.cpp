@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "imu_net/preintegration.hpp"
 #include "slam/base/parallel.hpp"
 #include "slam/base/time.hpp"
 #include "slam/training/true_time.hpp"
+#include "slam/training/truth_bend.hpp"
 
 namespace imslam::training {
 namespace {
@@ -21,21 +21,10 @@ using Matrix9 = Eigen::Matrix<double, 9, 9>;
 constexpr int kRounds = 4;
 constexpr double kHeld = 1e12;  ///< information that pins what is not sought
 
-struct Triple {
-  std::size_t at[3];
-};
-
-/// Rotation of the first interval and bend of the path, by bias and gravity.
-struct Bend {
-  Vector6 residual;
-  Eigen::Matrix<double, 6, 9> J;
-  Matrix6 covariance;
-};
-
 /// Normal equations of one chunk in [gyro accel gravity].
 struct Chunk {
   std::int64_t time_ns = 0;
-  std::vector<Triple> triples;
+  std::vector<PoseTriple> triples;
   ImuBias bias;
   Matrix9 H = Matrix9::Zero();
   Vector9 slope = Vector9::Zero();
@@ -56,7 +45,6 @@ class GravityFitter {
 
  private:
   std::vector<Chunk> chunks() const;
-  Bend bend(const Triple& triple, const ImuBias& bias) const;
   void linearize(Chunk& chunk) const;
   void step(std::vector<Chunk>& chunks);
 
@@ -83,39 +71,9 @@ std::vector<Chunk> GravityFitter::chunks() const {
       result.push_back({});
       result.back().time_ns = times_ns[i];
     }
-    result.back().triples.push_back({{i, *middle, *last}});
+    result.back().triples.push_back({i, *middle, *last});
     i = *middle;
   }
-  return result;
-}
-
-Bend GravityFitter::bend(const Triple& triple, const ImuBias& bias) const {
-  const auto pose = [&](int k) -> const lie::SE3d& { return truth_.poses[triple.at[k]]; };
-  const auto time = [&](int k) { return truth_.times_ns[triple.at[k]]; };
-  const ImuMotion m1 = imu::preintegrate(samples_, time(0), time(1), bias, noise_);
-  const ImuMotion m2 = imu::preintegrate(samples_, time(1), time(2), bias, noise_);
-  const double T1 = m1.dt_s;
-  const double T2 = m2.dt_s;
-  const Eigen::Matrix3d R0 = pose(0).rotation().matrix();
-  const Eigen::Matrix3d R1 = pose(1).rotation().matrix();
-  const double gravity_weight = T2 * (T1 + T2) / 2.0;
-  Bend result;
-  result.residual.head<3>() =
-      (m1.dR.inverse() * pose(0).rotation().inverse() * pose(1).rotation()).log();
-  result.residual.tail<3>() = pose(2).translation() - pose(1).translation() -
-                              T2 / T1 * (pose(1).translation() - pose(0).translation()) -
-                              gravity_weight * gravity_ - T2 * (R0 * (m1.dv - m1.dp / T1)) -
-                              R1 * m2.dp;
-  result.J << -m1.J_dR_bias, Eigen::Matrix3d::Zero(),
-      -T2 * R0 * (m1.J_dv_bias - m1.J_dp_bias / T1) - R1 * m2.J_dp_bias,
-      -gravity_weight * Eigen::Matrix3d::Identity();
-  Eigen::Matrix<double, 6, 9> G1 = Eigen::Matrix<double, 6, 9>::Zero();
-  G1.topLeftCorner<3, 3>().setIdentity();
-  G1.block<3, 3>(3, 3) = T2 * R0;
-  G1.block<3, 3>(3, 6) = -T2 / T1 * R0;
-  result.covariance = G1 * m1.covariance * G1.transpose();
-  result.covariance.bottomRightCorner<3, 3>() +=
-      R1 * m2.covariance.bottomRightCorner<3, 3>() * R1.transpose();
   return result;
 }
 
@@ -127,8 +85,9 @@ void GravityFitter::linearize(Chunk& chunk) const {
   chunk.H.diagonal().head<6>() << Eigen::Vector3d::Constant(gyro_weight),
       Eigen::Vector3d::Constant(accel_weight);
   chunk.slope.head<6>() << gyro_weight * chunk.bias.gyro, accel_weight * chunk.bias.accel;
-  for (const Triple& triple : chunk.triples) {
-    const Bend b = bend(triple, chunk.bias);
+  for (const PoseTriple& triple : chunk.triples) {
+    const Bend b = bend(samples_, noise_, truth_, triple, chunk.bias, gravity_);
+    if (!b.usable) continue;
     const Matrix6 W = b.covariance.ldlt().solve(Matrix6::Identity());
     chunk.H += b.J.transpose() * W * b.J;
     chunk.slope += b.J.transpose() * W * b.residual;

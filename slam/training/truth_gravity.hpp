@@ -35,12 +35,8 @@ struct GravityFit {
   std::vector<StampedBias> biases;                 ///< that fit best, one per chunk
 };
 
-/// The direction of gravity in the truth's world that makes readings and poses agree:
-///
-///   p2 - p1 - T2 (p1 - p0) / T1 = g T2 (T1 + T2) / 2 + T2 R0 (dv1 - dp1 / T1) + R1 dp2
-///
-/// (the bend of the path over two neighbouring intervals: it needs no velocity), together with
-/// rotations and one bias per chunk, by Gauss-Newton over the whole log.
+/// The direction of gravity in the truth's world that makes readings and poses agree: rotations and
+/// bends of the path (truth_bend.hpp), with one bias per chunk, by Gauss-Newton over the whole log.
 GravityFit fit_gravity(imu::ImuRange samples,
                        const ImuNoise& noise,
                        const Trajectory& truth,

@@ -16,6 +16,7 @@ constexpr int kLowestDegree = 1;
 constexpr int kHighestDegree = 4;
 constexpr double kWidestHalf_s = 0.2;  ///< wider ones smooth the motion itself away
 constexpr int kFewestHalf = 4;         ///< samples; slow truth may be wider for their sake
+constexpr double kCoveredSide = 0.6;   ///< of the half width must have positions, on either side
 constexpr int kHalfWidths[] = {1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 25, 32, 40};
 
 /// Median distance of the stamps [s].
@@ -42,15 +43,23 @@ std::vector<VelocityPolynomial> candidates(double step_s) {
 }  // namespace
 
 std::optional<Eigen::Vector3d> polynomial_velocity(const Trajectory& path,
+                                                   const std::vector<std::size_t>& jumps,
                                                    std::size_t i,
                                                    const VelocityPolynomial& polynomial) {
   const auto& times_ns = path.times_ns;
   const std::int64_t reach_ns = to_nanoseconds(polynomial.half_width_s);
+  const auto later = std::upper_bound(jumps.begin(), jumps.end(), i);
+  const std::size_t begin = later == jumps.begin() ? 0 : *std::prev(later);
+  const std::size_t end = later == jumps.end() ? path.size() : *later;
   std::size_t first = i;
-  while (first > 0 && times_ns[i] - times_ns[first - 1] <= reach_ns) --first;
+  while (first > begin && times_ns[i] - times_ns[first - 1] <= reach_ns) --first;
   std::size_t last = i;
-  while (last + 1 < path.size() && times_ns[last + 1] - times_ns[i] <= reach_ns) ++last;
-  if (first == last) return std::nullopt;
+  while (last + 1 < end && times_ns[last + 1] - times_ns[i] <= reach_ns) ++last;
+  const double least = kCoveredSide * static_cast<double>(reach_ns);
+  if (static_cast<double>(times_ns[i] - times_ns[first]) < least ||
+      static_cast<double>(times_ns[last] - times_ns[i]) < least) {
+    return std::nullopt;
+  }
   const int degree = std::min(polynomial.degree, static_cast<int>(last - first));
   // Powers above the degree are zero; their coefficients then come out as zero.
   Eigen::Matrix<double, kHighestDegree + 1, kHighestDegree + 1> H;
@@ -100,6 +109,7 @@ VelocityCheck::VelocityCheck(imu::ImuRange samples,
 VelocityFit fit_velocities(imu::ImuRange samples,
                            const ImuNoise& noise,
                            const Trajectory& truth,
+                           const std::vector<std::size_t>& jumps,
                            const GravityFit& gravity) {
   VelocityFit fit;
   fit.velocities.assign(truth.size(), Eigen::Vector3d::Zero());
@@ -110,14 +120,15 @@ VelocityFit fit_velocities(imu::ImuRange samples,
   const VelocityCheck check(samples, noise, truth, gravity, 2.0 * all.back().half_width_s);
   std::vector<double> sigmas(all.size());
   parallel_for(all.size(), [&](std::size_t c) {
-    sigmas[c] = check.sigma([&](std::size_t i) { return polynomial_velocity(truth, i, all[c]); });
+    sigmas[c] =
+        check.sigma([&](std::size_t i) { return polynomial_velocity(truth, jumps, i, all[c]); });
   });
   const auto best = std::min_element(sigmas.begin(), sigmas.end()) - sigmas.begin();
   fit.polynomial = all[static_cast<std::size_t>(best)];
   fit.sigma = sigmas[static_cast<std::size_t>(best)];
   std::vector<char> known(truth.size(), 0);  // of its own byte each: written in parallel
   parallel_for(truth.size(), [&](std::size_t i) {
-    const auto velocity = polynomial_velocity(truth, i, fit.polynomial);
+    const auto velocity = polynomial_velocity(truth, jumps, i, fit.polynomial);
     if (velocity) fit.velocities[i] = *velocity;
     known[i] = velocity ? 1 : 0;
   });

@@ -19,8 +19,10 @@ struct VelocityPolynomial {
 };
 
 /// Slope at pose i of the least-squares polynomial through the positions around it [m/s]; fewer
-/// positions than coefficients lower the degree. Empty: no other pose is near.
+/// positions than coefficients lower the degree. Empty near the ends, gaps and `jumps` (sorted; see
+/// find_jumps()): there must be positions all the way on both sides.
 std::optional<Eigen::Vector3d> polynomial_velocity(const Trajectory& path,
+                                                   const std::vector<std::size_t>& jumps,
                                                    std::size_t i,
                                                    const VelocityPolynomial& polynomial);
 
@@ -30,7 +32,7 @@ struct VelocityFit {
   VelocityPolynomial polynomial;            ///< that agrees with the accelerometer best
   double sigma = 0.0;                       ///< [m/s] per axis; an upper bound, see below
   std::vector<Eigen::Vector3d> velocities;  ///< v_world [m/s], one per pose
-  std::vector<bool> known;                  ///< false: the pose has no neighbour
+  std::vector<bool> known;                  ///< false: nothing is known there
 };
 
 /// How noisy velocities are, seen by the accelerometer: over intervals of one length, free of what
@@ -75,6 +77,7 @@ class VelocityCheck {
 VelocityFit fit_velocities(imu::ImuRange samples,
                            const ImuNoise& noise,
                            const Trajectory& truth,
+                           const std::vector<std::size_t>& jumps,
                            const GravityFit& gravity);
 
 }  // namespace imslam::training
