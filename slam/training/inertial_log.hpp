@@ -24,6 +24,7 @@ struct InertialLog {
   ImuNoise noise;                  ///< datasheet
   std::vector<TrueState> truth;    ///< stamps increase strictly, within those of the samples
   Eigen::Vector3d gravity_world{0.0, 0.0, -9.81};  ///< [m/s^2]
+  std::vector<std::size_t> truth_jumps;  ///< true states that do not go on from the one before
 };
 
 /// A stretch of a log over which its readings are integrated, and what they should have given.
