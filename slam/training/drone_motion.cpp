@@ -18,7 +18,7 @@ constexpr double kContact_m = 0.15;  ///< height at which the ground no longer d
 /// Character of the pilot and of the weather.
 struct Flight {
   explicit Flight(Random& random)
-      : speed(log_uniform(random, 0.3, 4.0)),
+      : speed(log_uniform(random, 0.5, 4.0)),
         width_s(std::clamp(2.25 * speed / random.uniform(1.0, 7.0), 0.9, 4.0)),
         climb_width_s(1.5 * width_s + 0.4),
         drag(random.uniform(0.05, 0.4)),

@@ -31,7 +31,7 @@ struct Family {
 };
 
 constexpr Family kFamilies[] = {
-    {"drone", drone_motion, &InertialLogOptions::drone_share, 0.03, 0.1, 4.0},
+    {"drone", drone_motion, &InertialLogOptions::drone_share, 0.03, 0.15, 5.0},
     {"hand", hand_motion, &InertialLogOptions::hand_share, 0.03, 0.0, 0.0},
     {"car", car_motion, &InertialLogOptions::car_share, 0.5, 0.05, 1.0},
     {"rover", rover_motion, &InertialLogOptions::rover_share, 0.15, 0.03, 1.0},
