@@ -11,6 +11,8 @@
 
 #include "app/command.hpp"
 #include "app/imu_table.hpp"
+#include "imu_net/imu_corrector.hpp"
+#include "imu_net/imu_weights.hpp"
 #include "slam/base/file.hpp"
 #include "slam/base/text.hpp"
 #include "slam/training/graph_bias.hpp"
@@ -30,6 +32,7 @@ constexpr const char* kFooter =
     "  rest bias   minus the mean rate of the first second at rest: what an IMU can know alone\n"
     "  graph bias  minus the bias at the window's start of a graph over the whole log with the\n"
     "              truth as vision: it sees the future\n"
+    "  network     corrected by the shipped network, and by those of --weights\n"
     "NEES / dof is 1 where the covariance tells the truth; -log p judges error and covariance\n"
     "together. Exit codes: 2 usage, 3 data, 4 calibration, 5 weights, 6 output, 8 no log is long\n"
     "enough for a window.\n"
@@ -48,15 +51,21 @@ struct ImuArguments {
   bool force = false;
 };
 
-/// The row of a trained network.
-training::InertialMethod weights_method(const std::string& file) {
-  throw InputError("--weights " + file + ": not built yet; leave the option out", ExitCode::kUsage);
+/// The row of a trained network; `file` empty: the shipped one.
+training::InertialMethod network_method(const std::string& name, const std::string& file) {
+  const auto network = imu::load_imu_network(file).network;
+  return training::corrected_method(name, [network](const training::InertialLog& log) {
+    return imu::correct_samples(network, log.samples, log.noise);
+  });
 }
 
 std::vector<training::InertialMethod> methods_of(const ImuArguments& arguments) {
   std::vector<training::InertialMethod> methods = {
       training::raw_method(), training::rest_bias_method(), training::graph_bias_method()};
-  for (const std::string& file : arguments.weights) methods.push_back(weights_method(file));
+  if (imu::shipped_imu_weights()) methods.push_back(network_method("network", ""));
+  for (const std::string& file : arguments.weights) {
+    methods.push_back(network_method(fs::path(file).stem().string(), file));
+  }
   return methods;
 }
 
@@ -122,7 +131,7 @@ class ImuComparison {
   }
 
  private:
-  training::InertialLogOptions options_;
+  training::InertialLogFileOptions options_;
   std::vector<training::InertialMethod> methods_;
   std::vector<training::OpenIntegrationOptions> windows_;
   std::map<std::pair<std::size_t, std::size_t>, training::OpenIntegration> pools_;

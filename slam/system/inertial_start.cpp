@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "imu_net/gravity_alignment.hpp"
 #include "imu_net/gyro_alignment.hpp"
 #include "pgo/initialization.hpp"
 #include "slam/base/time.hpp"
@@ -68,13 +70,36 @@ std::vector<pgo::State> lay_chain(const OdometryChain& chain,
   return states;
 }
 
+/// What the IMU itself says about the beginning: rest, or the belief of a correction.
+ImuBias bias_without_vision(const Measurements& measurements,
+                            const std::optional<imu::GravityAlignment>& rest) {
+  ImuBias bias;
+  if (rest) bias.gyro = rest->bias.gyro;
+  for (const BiasBelief& belief : measurements.bias_beliefs) {
+    (belief.axis < 3 ? bias.gyro : bias.accel)[belief.axis % 3] = belief.bias;
+  }
+  return bias;
+}
+
+/// Upright on the accelerometer's word alone, at the first frame.
+pgo::Initialization start_from_rest(const imu::GravityAlignment& rest, const ImuBias& bias) {
+  pgo::Initialization start;
+  start.states.resize(1);
+  start.states.front().nav.T_world_body = lie::SE3d(rest.R_world_body, Eigen::Vector3d::Zero());
+  start.bias = bias;
+  start.success = true;
+  return start;
+}
+
 }  // namespace
 
 InertialStart start_inertial(const Measurements& measurements,
                              const OdometryChain& chain,
                              const SlamOptions& options) {
   InertialStart start;
-  ImuBias bias;
+  const auto rest = imu::align_to_gravity(measurements.imu, measurements.times_ns.front(),
+                                          measurements.imu_noise, options.still);
+  ImuBias bias = bias_without_vision(measurements, rest);
   imu::GyroAlignmentOptions alignment_options = options.gyro_alignment;
   alignment_options.estimate_time_offset = options.pgo.estimate_time_offset;
   if (const auto alignment = imu::align_gyro(measurements.odometry, measurements.imu,
@@ -101,6 +126,7 @@ InertialStart start_inertial(const Measurements& measurements,
       if (start.reason.empty()) start.reason = found.reason;
     }
   }
+  if (rest) start.states = lay_chain(chain, 0, start_from_rest(*rest, bias));
   return start;
 }
 

@@ -22,8 +22,9 @@ struct InertialStart {
 };
 
 /// Gyro bias and clock from vision's rotations, then visual-inertial initialisation over the first
-/// stretch of the sequence that allows it. The chain of odometry, turned upright, gives the states
-/// of the other frames. Needs two frames at least.
+/// stretch of the sequence that allows it; where none does, upright as the accelerometer says if
+/// the body rests at the first frame. The chain of odometry, turned upright, gives the states of
+/// the other frames. Needs two frames at least.
 InertialStart start_inertial(const Measurements& measurements,
                              const OdometryChain& chain,
                              const SlamOptions& options);

@@ -2,17 +2,15 @@
 
 #include <gtest/gtest.h>
 
-#include "slam/base/error.hpp"
-#include "slam/base/file.hpp"
-#include "slam/base/parallel.hpp"
 #include "slam/nn/weights_io.hpp"
 #include "slam/training/training_run.hpp"
+#include "tests/slam/training/training_checks.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace imslam::training {
 namespace {
 
-using testing::TempDir;
+using imslam::testing::TempDir;
 
 PoseHeadTrainingOptions small_training(int steps) {
   PoseHeadTrainingOptions options;
@@ -43,34 +41,11 @@ TEST(PoseHeadTraining, LearnsTheMotionOfUnseenFields) {
 }
 
 TEST(PoseHeadTraining, ThreadsDoNotChangeABit) {
-  const TempDir dir;
-  const auto train = [&](int threads) {
-    set_thread_count(threads);
-    PoseHeadTraining training(small_training(3));
-    while (!training.done()) training.step();
-    const auto file = dir.path() / std::to_string(threads);
-    training.save(file);
-    set_thread_count(0);
-    return read_file(file);
-  };
-  EXPECT_EQ(train(1), train(2));
+  testing::expect_threads_change_nothing<PoseHeadTraining>(small_training(3));
 }
 
 TEST(PoseHeadTraining, StoppedAnywhereItGoesOnBitByBit) {
-  const TempDir dir;
-  const PoseHeadTrainingOptions options = small_training(8);
-  TrainingRequest request;
-  request.folder = dir.path() / "whole";
-  run_training<PoseHeadTraining>(options, request);
-  request.folder = dir.path() / "pieces";
-  request.resume = true;
-  request.keep_going = [](int done, int, const std::string&) { return done % 3 != 0; };
-  while (run_training<PoseHeadTraining>(options, request).stopped) {
-  }
-  for (const char* name : {"checkpoint.safetensors", "pose_head.safetensors", "log.csv"}) {
-    EXPECT_EQ(read_file(dir.path() / "whole" / name), read_file(dir.path() / "pieces" / name))
-        << name;
-  }
+  testing::expect_resume_bit_by_bit<PoseHeadTraining>(small_training(8), "pose_head.safetensors");
 }
 
 TEST(PoseHeadTraining, TheCardSaysWhatWasDone) {

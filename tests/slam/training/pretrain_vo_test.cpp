@@ -4,16 +4,16 @@
 
 #include "slam/base/error.hpp"
 #include "slam/base/file.hpp"
-#include "slam/base/parallel.hpp"
 #include "slam/nn/weights_io.hpp"
 #include "slam/training/training_run.hpp"
 #include "tests/slam/training/samples.hpp"
+#include "tests/slam/training/training_checks.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace imslam::training {
 namespace {
 
-using testing::TempDir;
+using imslam::testing::TempDir;
 
 PretrainVoOptions small_training(int steps) {
   PretrainVoOptions options;
@@ -58,31 +58,11 @@ TEST(PretrainVo, LearnsToMatchUnseenScenes) {
 }
 
 TEST(PretrainVo, ThreadsDoNotChangeABit) {
-  const TempDir dir;
-  const auto train = [&](int threads) {
-    set_thread_count(threads);
-    PretrainVo training(small_training(3));
-    while (!training.done()) training.step();
-    const auto file = dir.path() / std::to_string(threads);
-    training.save(file);
-    set_thread_count(0);
-    return read_file(file);
-  };
-  EXPECT_EQ(train(1), train(2));
+  testing::expect_threads_change_nothing<PretrainVo>(small_training(3));
 }
 
 TEST(TrainingRun, StoppedAnywhereItGoesOnBitByBit) {
-  const TempDir dir;
-  const PretrainVoOptions options = small_training(8);
-  run_training<PretrainVo>(options, request_in(dir.path() / "whole"));
-  TrainingRequest request = request_in(dir.path() / "pieces");
-  request.resume = true;
-  request.keep_going = [](int done, int, const std::string&) { return done % 3 != 0; };
-  while (run_training<PretrainVo>(options, request).stopped) {
-  }
-  for (const char* name : {"checkpoint.safetensors", "match_network.safetensors", "log.csv"}) {
-    EXPECT_EQ(bytes(dir.path() / "whole", name), bytes(dir.path() / "pieces", name)) << name;
-  }
+  testing::expect_resume_bit_by_bit<PretrainVo>(small_training(8), "match_network.safetensors");
 }
 
 // A kill leaves a checkpoint that is older than the log: what was done since is done again.
