@@ -33,7 +33,7 @@ void RestObserver::add(const ImuBin& bin, double dt_s) {
   accel_covariance_.diagonal().array() +=
       dt_s * (squared(noise_.accel_random_walk) + squared(kAccelWarmUp));
   since_rest_s_ += dt_s;
-  still_ = false;
+  reading_.reset();
   if (bin.count == 0) return recent_.clear();
   BinMean mean;
   mean << bin.rate, bin.force;
@@ -44,7 +44,6 @@ void RestObserver::add(const ImuBin& bin, double dt_s) {
   options.bin_s = ImuBin::kLength_s;
   const Stillness rest = assess_bins({recent_.begin(), recent_.end()}, kRestBins, noise_, options);
   if (!rest.still) return;
-  still_ = true;
   since_rest_s_ = 0.0;
   learn(recent_[kRestBins / 2], rest);
 }
@@ -52,12 +51,16 @@ void RestObserver::add(const ImuBin& bin, double dt_s) {
 void RestObserver::learn(const BinMean& bin, const Stillness& rest) {
   const double gyro_noise = squared(noise_.gyro_noise_density) / ImuBin::kLength_s;
   const double accel_noise = squared(noise_.accel_noise_density) / ImuBin::kLength_s;
+  RestReading reading;
+  reading.rate = bin.head<3>();
   for (int i = 0; i < 3; ++i) {
     const double R = std::max(squared(rest.rate_spread[i]), gyro_noise) + squared(kSway);
     const double gain = gyro_variance_[i] / (gyro_variance_[i] + R);
     gyro_[i] += gain * (bin[i] - gyro_[i]);
     gyro_variance_[i] *= 1.0 - gain;
+    reading.variance[i] = R;
   }
+  reading_ = reading;
   const Eigen::Vector3d force = bin.tail<3>() - accel_;
   const Eigen::Vector3d up = force.normalized();
   // The unknown gravity is the same in every bin: it must not average out within a second.
@@ -73,9 +76,9 @@ namespace {
 
 constexpr double kFirstTilt = 0.3;        // [rad]
 constexpr double kShapeError = 0.005;     // [1] scale and misalignment of the gyro
-constexpr double kLeastForceNoise = 0.3;  // [m/s^2] acceleration that does not show in |force|
+constexpr double kLeastForceNoise = 0.5;  // [m/s^2] acceleration that does not show in |force|
 constexpr double kForceFactor = 2.0;      // acceleration for each unit of | |force| - g |
-constexpr double kCorrelation = 10.0;     // [bins] over which acceleration stays the same
+constexpr double kCorrelation = 40.0;     // [bins] over which acceleration stays the same
 constexpr double kLeastForce = 0.3;       // [g] below it the direction says nothing
 
 }  // namespace
@@ -86,7 +89,9 @@ GravityObserver::GravityObserver(const ImuNoise& noise)
       Eigen::Vector3d::Constant(squared(kGyroBiasSigma));
 }
 
-void GravityObserver::add(const ImuBin& bin, double dt_s) {
+void GravityObserver::add(const ImuBin& bin,
+                          double dt_s,
+                          const std::optional<RestReading>& rest_reading) {
   const bool upright = bin.count > 0 && bin.force.norm() > kLeastForce * kGravity;
   if (!begun_) {
     if (!upright) return;
@@ -100,6 +105,7 @@ void GravityObserver::add(const ImuBin& bin, double dt_s) {
   }
   predict(bin.rate, dt_s);
   if (upright) correct(bin.force);
+  if (rest_reading) rest(*rest_reading);
 }
 
 void GravityObserver::predict(const Eigen::Vector3d& rate, double dt_s) {
@@ -118,13 +124,25 @@ void GravityObserver::predict(const Eigen::Vector3d& rate, double dt_s) {
 
 void GravityObserver::correct(const Eigen::Vector3d& force) {
   const Eigen::Vector3d up = R_level_body_.inverse() * Eigen::Vector3d::UnitZ();
-  const Eigen::Vector3d residual = force.normalized() - up;
   const double noise =
       kLeastForceNoise + kForceFactor * std::abs(force.norm() - kGravity);  // [m/s^2]
   Eigen::Matrix<double, 3, 6> H = Eigen::Matrix<double, 3, 6>::Zero();
   H.leftCols<3>() = lie::skew(up);
+  update(H, force.normalized() - up,
+         Eigen::Vector3d::Constant(kCorrelation * squared(noise / kGravity)));
+}
+
+void GravityObserver::rest(const RestReading& reading) {
+  Eigen::Matrix<double, 3, 6> H = Eigen::Matrix<double, 3, 6>::Zero();
+  H.rightCols<3>().setIdentity();
+  update(H, reading.rate - bias_, reading.variance);
+}
+
+void GravityObserver::update(const Eigen::Matrix<double, 3, 6>& H,
+                             const Eigen::Vector3d& residual,
+                             const Eigen::Vector3d& variance) {
   Eigen::Matrix3d S = H * P_ * H.transpose();
-  S.diagonal().array() += kCorrelation * squared(noise / kGravity);
+  S.diagonal() += variance;
   const Eigen::Matrix<double, 6, 3> cross = P_ * H.transpose();
   const Eigen::Matrix<double, 6, 3> gain = S.ldlt().solve(cross.transpose()).transpose();
   const Eigen::Matrix<double, 6, 1> change = gain * residual;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <deque>
+#include <optional>
 
 #include "imu_net/imu_bin.hpp"
 #include "imu_net/static_detector.hpp"
@@ -13,6 +14,12 @@ namespace imslam::imu {
 struct BiasBelief {
   Eigen::Vector3d bias = Eigen::Vector3d::Zero();
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();
+};
+
+/// A reading of the gyro bias itself.
+struct RestReading {
+  Eigen::Vector3d rate;      ///< [rad/s]
+  Eigen::Vector3d variance;  ///< per axis
 };
 
 /// Gyro bias from rest: then the reading is the bias. Also the accelerometer's, as far as rest
@@ -29,7 +36,9 @@ class RestObserver {
 
   BiasBelief gyro() const { return {gyro_, gyro_variance_.cwiseSqrt()}; }
   BiasBelief accel() const { return {accel_, accel_covariance_.diagonal().cwiseSqrt()}; }
-  bool still() const { return still_; }
+  bool still() const { return reading_.has_value(); }
+  /// What the last bin has taught; none unless still.
+  const std::optional<RestReading>& reading() const { return reading_; }
   double time_since_rest_s() const { return since_rest_s_; }  ///< since the start if never
 
  private:
@@ -41,25 +50,31 @@ class RestObserver {
   Eigen::Vector3d gyro_variance_;
   Eigen::Vector3d accel_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d accel_covariance_;
-  bool still_ = false;
+  std::optional<RestReading> reading_;
   double since_rest_s_ = 0.0;
 };
 
-/// Gyro bias from gravity: in the long run the accelerometer shows where up is. An error-state
-/// Kalman filter of attitude (heading is free) and bias; accelerations are its noise.
+/// Gyro bias from rest and gravity together: in the long run the accelerometer shows where up is.
+/// An error-state Kalman filter of attitude (heading is free) and bias; accelerations are its
+/// noise.
 ///
-///   R' = R Exp((w - b) h)       measured: direction of the force = R^T e_z
+///   R' = R Exp((w - b) h)       measured: direction of the force = R^T e_z, at rest also b
 class GravityObserver {
  public:
   explicit GravityObserver(const ImuNoise& noise);
 
-  void add(const ImuBin& bin, double dt_s);
+  void add(const ImuBin& bin, double dt_s, const std::optional<RestReading>& rest);
 
   BiasBelief gyro() const { return {bias_, P_.diagonal().tail<3>().cwiseSqrt()}; }
 
  private:
   void predict(const Eigen::Vector3d& rate, double dt_s);
   void correct(const Eigen::Vector3d& force);
+  void rest(const RestReading& reading);
+  /// The Kalman update of a measurement of three numbers.
+  void update(const Eigen::Matrix<double, 3, 6>& H,
+              const Eigen::Vector3d& residual,
+              const Eigen::Vector3d& variance);
 
   ImuNoise noise_;
   bool begun_ = false;

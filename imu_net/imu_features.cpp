@@ -47,7 +47,7 @@ const std::vector<ImuFrame>& FeatureExtractor::add(const ImuSample& sample) {
     const double dt_s = to_seconds(bin.end_ns - last_end_ns_);  // more than a bin: a long gap
     last_end_ns_ = bin.end_ns;
     rest_.add(bin, dt_s);
-    gravity_.add(bin, dt_s);
+    gravity_.add(bin, dt_s, rest_.reading());
     mean_.add(bin);
     frames_.push_back(describe(bin, dt_s));
     previous_ = bin;

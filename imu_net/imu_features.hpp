@@ -18,7 +18,7 @@ namespace imslam::imu {
 /// what varies over decades; all within about -2 and 2.
 struct ImuFrame {
   static constexpr int kFeatures = 32;
-  static constexpr int kGyroCandidates = 3;   ///< rest, gravity, mean
+  static constexpr int kGyroCandidates = 3;   ///< rest, rest and gravity, mean
   static constexpr int kAccelCandidates = 1;  ///< rest
 
   std::int64_t time_ns = 0;  ///< from here on the answer holds

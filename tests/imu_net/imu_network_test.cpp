@@ -168,8 +168,8 @@ TEST(ImuNetwork, AnotherRateOfTheSameSensorGivesNearlyTheSameAnswer) {
     for (const ImuSample& sample : readings(rate_hz)) corrector.correct(sample);
     offsets.push_back(corrector.correction()->offset.gyro);
   }
-  expect_near(offsets[0], offsets[1], 0.01);
-  expect_near(offsets[2], offsets[1], 0.01);
+  expect_near(offsets[0], offsets[1], 0.02);
+  expect_near(offsets[2], offsets[1], 0.02);
 }
 
 TEST(ImuNetwork, AGapOfAnHourCostsNoMoreThanOneOfTwoSeconds) {
