@@ -154,7 +154,7 @@ void add_run_command(CLI::App& app, Action& action, const CommonOptions& common)
   command->add_option("--format", arguments->format, "auto or one of the known formats")
       ->capture_default_str();
   command->add_option("--front-end", arguments->front_end, "klt or learned");
-  command->add_option("--imu", arguments->imu, "raw or off");
+  command->add_option("--imu", arguments->imu, "raw, learned or off");
   command->add_option("--out", arguments->out, "Run folder (default: runs/<time>_<dataset>)");
   command->add_option("--runs", arguments->runs, "Where run folders go")->capture_default_str();
   command->add_option("--frames", arguments->frames, "Only frames A to B-1")->type_name("A:B");

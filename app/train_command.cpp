@@ -11,6 +11,7 @@
 #include "slam/base/config.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/progress.hpp"
+#include "slam/training/imu_training.hpp"
 #include "slam/training/pose_head_training.hpp"
 #include "slam/training/pretrain_vo.hpp"
 #include "slam/training/training_run.hpp"
@@ -23,6 +24,8 @@ constexpr const char* kExamples =
     "  imslam train vo --config train_vo                 the shipped weights, from nothing\n"
     "  imslam train vo --config train_vo --resume        go on after a stop, bit by bit\n"
     "  imslam train vo --out runs/short --set steps=500 --set batch=8\n"
+    "  imslam train imu --config train_imu               the IMU network, on simulated sensors\n"
+    "  imslam train imu --set logs=A,B --start FILE      the same on real logs with truth\n"
     "  imslam train pose_head --config train_pose_head   the regression head, from nothing\n"
     "`imslam train vo --list` prints every key with its default and meaning.";
 
@@ -120,6 +123,8 @@ void add_train_command(CLI::App& app, Action& action, const CommonOptions& commo
   command->footer(kExamples);
   add_network<training::PretrainVo, training::PretrainVoOptions>(
       *command, "vo", "The matching network of the stereo front end", action, common);
+  add_network<training::ImuTraining, training::ImuTrainingOptions>(
+      *command, "imu", "The network that corrects the IMU", action, common);
   add_network<training::PoseHeadTraining, training::PoseHeadTrainingOptions>(
       *command, "pose_head", "The pose head of vo.head: regression", action, common);
 }

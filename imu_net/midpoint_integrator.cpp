@@ -5,9 +5,6 @@
 
 namespace imslam::imu {
 
-using lie::skew;
-using lie::SO3d;
-
 namespace {
 
 constexpr int kGapSteps = 4;  ///< enough to tell a ramp from a constant
@@ -19,12 +16,22 @@ int step_count(const SignalNode& a, const SignalNode& b, double max_step_s) {
 
 }  // namespace
 
+MidpointIntegrator::MidpointIntegrator(const ImuBias& bias,
+                                       const ImuNoise& noise,
+                                       std::vector<RecordedStep>* record)
+    : bias_(bias),
+      gyro_density_sq_(noise.gyro_noise_density * noise.gyro_noise_density),
+      accel_density_sq_(noise.accel_noise_density * noise.accel_noise_density),
+      record_(record) {}
+
 SignalNode between(const SignalNode& a, const SignalNode& b, double fraction) {
   const auto mix = [fraction](const auto& x, const auto& y) { return x + fraction * (y - x); };
   SignalNode node;
   node.time_s = mix(a.time_s, b.time_s);
   node.rate = mix(a.rate, b.rate);
   node.force = mix(a.force, b.force);
+  node.gyro_variance = mix(a.gyro_variance, b.gyro_variance);
+  node.accel_variance = mix(a.accel_variance, b.accel_variance);
   node.time_slope = mix(a.time_slope, b.time_slope);
   node.rate_slope = mix(a.rate_slope, b.rate_slope);
   node.force_slope = mix(a.force_slope, b.force_slope);
@@ -55,80 +62,68 @@ void MidpointIntegrator::add_steps(const SignalNode& a, const SignalNode& b, int
   if (b.time_s <= a.time_s) return;
   SignalNode from = a;
   for (int i = 1; i <= steps; ++i) {
-    const SignalNode to = between(a, b, static_cast<double>(i) / steps);
+    const SignalNode to = i == steps ? b : between(a, b, static_cast<double>(i) / steps);
     ramp_ = std::sqrt(3.0) * ((2.0 * i - 1.0) / steps - 1.0);  // mean square 1, like the constant
     step(from, to);
     from = to;
   }
 }
 
-template <int Columns>
-void MidpointIntegrator::StepDerivative::carry(Eigen::Matrix<double, 9, Columns>& X) const {
-  const Eigen::Matrix<double, 3, Columns> top = X.template topRows<3>();
-  X.template bottomRows<3>() += A_p * top + h * X.template middleRows<3>(3);
-  X.template middleRows<3>(3) += A_v * top;
-  X.template topRows<3>() = A_R * top;
-}
-
 void MidpointIntegrator::step(const SignalNode& a, const SignalNode& b) {
-  const double h = b.time_s - a.time_s;
-  const Eigen::Vector3d rate = 0.5 * (a.rate + b.rate) - bias_.gyro;
-  const Eigen::Vector3d force = 0.5 * (a.force + b.force) - bias_.accel;
-  const SO3d half = SO3d::exp(0.5 * h * rate);
-  const Eigen::Matrix3d M = (dR_ * half).matrix();
-  const Eigen::Matrix3d M_force = -M * skew(force);  // M Exp(mu) force = M force + M_force mu
-  const Eigen::Vector3d acceleration = M * force;
-
-  StepDerivative d;
-  d.h = h;
-  d.A_R = (half * half).matrix().transpose();
-  d.A_v = h * M_force * half.matrix().transpose();
-  d.A_p = 0.5 * h * d.A_v;
-  const Eigen::Matrix3d J_full = SO3d::right_jacobian(h * rate);
-  const Eigen::Matrix3d J_half = 0.5 * M_force * SO3d::right_jacobian(0.5 * h * rate);
-  d.B_rate << h * J_full, h * h * J_half, 0.5 * h * h * h * J_half;
-  d.B_force << Eigen::Matrix3d::Zero(), h * M, 0.5 * h * h * M;
-  d.b_length << J_full * rate, acceleration + h * J_half * rate,
-      dv_ + h * acceleration + 0.5 * h * h * J_half * rate;
-  advance_derivatives(d, a, b);
-
-  dp_ += h * dv_ + 0.5 * h * h * acceleration;
-  dv_ += h * acceleration;
-  dR_ = dR_ * half * half;
-}
-
-void MidpointIntegrator::advance_derivatives(const StepDerivative& d,
-                                             const SignalNode& a,
-                                             const SignalNode& b) {
+  StepInput in;
+  in.h = b.time_s - a.time_s;
+  in.rate = 0.5 * (a.rate + b.rate) - bias_.gyro;
+  in.force = 0.5 * (a.force + b.force) - bias_.accel;
   // Neighbouring steps share a reading, yet their noise is taken as independent: the sum over many
   // steps has the right variance, and intervals that share an end do not count it twice.
-  const double gyro_variance = noise_.gyro_noise_density * noise_.gyro_noise_density / d.h;
-  const double accel_variance = noise_.accel_noise_density * noise_.accel_noise_density / d.h;
-  d.carry(covariance_);
-  covariance_.transposeInPlace();
-  d.carry(covariance_);
-  covariance_ += gyro_variance * d.B_rate * d.B_rate.transpose() +
-                 accel_variance * d.B_force * d.B_force.transpose();
-  // White noise inside the step: its double integral has h^3/3, of which h^3/4 is in B_force.
-  covariance_.bottomRightCorner<3, 3>().diagonal().array() +=
-      accel_variance * d.h * d.h * d.h * d.h / 12.0;
+  in.rate_variance = (0.5 * (a.gyro_variance + b.gyro_variance).array() + gyro_density_sq_) / in.h;
+  in.force_variance =
+      (0.5 * (a.accel_variance + b.accel_variance).array() + accel_density_sq_) / in.h;
+  RecordedStep taken{MidpointStep(in, dR_), {}, 0.5 * (a.time_s + b.time_s)};
+  const MidpointStep& step = taken.step;
+  taken.A_Sigma_R = step.carry_covariance(covariance_);
+  if (record_ != nullptr) record_->push_back(taken);
+  carry_bias(step);
+  carry_time_offset(step, a, b);
+  if (in_gap_) carry_gap(step);
 
-  d.carry(J_bias_);
-  J_bias_.leftCols<3>() -= d.B_rate;
-  J_bias_.rightCols<3>() -= d.B_force;
+  const Eigen::Vector3d acceleration = step.M * in.force;
+  dp_ += in.h * dv_ + 0.5 * in.h * in.h * acceleration;
+  dv_ += in.h * acceleration;
+  dR_ = step.end();
+}
 
-  d.carry(J_time_offset_);
-  J_time_offset_ += d.B_rate * (0.5 * (a.rate_slope + b.rate_slope)) +
-                    d.B_force * (0.5 * (a.force_slope + b.force_slope)) +
-                    d.b_length * (b.time_slope - a.time_slope);
-  if (in_gap_) {
-    d.carry(J_gap_);
-    J_gap_.leftCols<3>() += d.B_rate;
-    J_gap_.rightCols<3>() += d.B_force;
-    d.carry(J_gap_ramp_);
-    J_gap_ramp_.leftCols<3>() += ramp_ * d.B_rate;
-    J_gap_ramp_.rightCols<3>() += ramp_ * d.B_force;
-  }
+void MidpointIntegrator::carry_bias(const MidpointStep& step) {
+  step.carry(J_gyro_bias_);
+  J_gyro_bias_ -= step.B_rate();
+  const double h = step.in.h;
+  J_accel_bias_.bottomRows<3>() += h * J_accel_bias_.topRows<3>() - 0.5 * h * h * step.M;
+  J_accel_bias_.topRows<3>() -= h * step.M;
+}
+
+void MidpointIntegrator::carry_time_offset(const MidpointStep& step,
+                                           const SignalNode& a,
+                                           const SignalNode& b) {
+  step.carry(J_time_offset_);
+  if (a.time_slope == 0.0 && b.time_slope == 0.0) return;  // inner samples stay where they are
+  const double h = step.in.h;
+  const Eigen::Vector3d& rate = step.in.rate;
+  const Eigen::Vector3d acceleration = step.M * step.in.force;
+  Eigen::Matrix<double, 9, 1> b_length;  // derivative of the step by its length
+  b_length << step.J_full * rate, acceleration + h * step.J_half * rate,
+      dv_ + h * acceleration + 0.5 * h * h * step.J_half * rate;
+  J_time_offset_ += step.B_rate() * (0.5 * (a.rate_slope + b.rate_slope)) +
+                    step.B_force() * (0.5 * (a.force_slope + b.force_slope)) +
+                    b_length * (b.time_slope - a.time_slope);
+}
+
+void MidpointIntegrator::carry_gap(const MidpointStep& step) {
+  Eigen::Matrix<double, 9, 6> B;
+  B << step.B_rate(), step.B_force();
+  step.carry(J_gap_);
+  J_gap_ += B;
+  step.carry(J_gap_ramp_);
+  J_gap_ramp_ += ramp_ * B;
 }
 
 ImuMotion MidpointIntegrator::motion() const {
@@ -136,11 +131,11 @@ ImuMotion MidpointIntegrator::motion() const {
   motion.dR = dR_;
   motion.dv = dv_;
   motion.dp = dp_;
-  motion.covariance = 0.5 * (covariance_ + covariance_.transpose());
+  motion.covariance = covariance_.matrix();
   motion.bias = bias_;
-  motion.J_dR_bias = J_bias_.topRows<3>();
-  motion.J_dv_bias = J_bias_.middleRows<3>(3);
-  motion.J_dp_bias = J_bias_.bottomRows<3>();
+  motion.J_dR_bias << J_gyro_bias_.topRows<3>(), Eigen::Matrix3d::Zero();
+  motion.J_dv_bias << J_gyro_bias_.middleRows<3>(3), J_accel_bias_.topRows<3>();
+  motion.J_dp_bias << J_gyro_bias_.bottomRows<3>(), J_accel_bias_.bottomRows<3>();
   motion.J_time_offset = J_time_offset_;
   return motion;
 }

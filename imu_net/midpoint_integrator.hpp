@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
+#include "imu_net/midpoint_step.hpp"
+#include "imu_net/symmetric_blocks.hpp"
 #include "slam/sensors/imu.hpp"
 #include "slam/sensors/motion.hpp"
 
@@ -9,9 +12,11 @@ namespace imslam::imu {
 
 /// The inertial signal at one instant, and how all of it changes per second of time offset.
 struct SignalNode {
-  double time_s = 0.0;                              ///< [s] since a common origin, IMU time
-  Eigen::Vector3d rate = Eigen::Vector3d::Zero();   ///< [rad/s]
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [m/s^2]
+  double time_s = 0.0;                                      ///< [s] since a common origin, IMU time
+  Eigen::Vector3d rate = Eigen::Vector3d::Zero();           ///< [rad/s]
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();          ///< [m/s^2]
+  Eigen::Vector3d gyro_variance = Eigen::Vector3d::Zero();  ///< on top of the datasheet's, see
+  Eigen::Vector3d accel_variance = Eigen::Vector3d::Zero();  ///< ImuSample
 
   double time_slope = 0.0;                                ///< 1 at the ends, 0 at samples
   Eigen::Vector3d rate_slope = Eigen::Vector3d::Zero();   ///< [rad/s^2]
@@ -29,10 +34,20 @@ struct GapSpread {
   double force = 0.0;  ///< [m/s^2]
 };
 
+/// A step as it was taken.
+struct RecordedStep {
+  MidpointStep step;
+  Eigen::Matrix<double, 9, 3> A_Sigma_R;  ///< see MidpointStep::carry_covariance()
+  double middle_s = 0.0;                  ///< [s] of its middle, as in SignalNode
+};
+
 /// Sums the signal up, step by step, with covariance and derivatives.
 class MidpointIntegrator {
  public:
-  MidpointIntegrator(const ImuBias& bias, const ImuNoise& noise) : bias_(bias), noise_(noise) {}
+  /// Every step is appended to `record`, too, if there is one.
+  MidpointIntegrator(const ImuBias& bias,
+                     const ImuNoise& noise,
+                     std::vector<RecordedStep>* record = nullptr);
 
   /// One stretch from a to b, linear in between; cut into steps no longer than max_step_s.
   void add(const SignalNode& a, const SignalNode& b, double max_step_s);
@@ -47,29 +62,22 @@ class MidpointIntegrator {
   ImuMotion motion() const;
 
  private:
-  /// Derivatives of one step: x' = A x + B_rate d_rate + B_force d_force + b_length d_length, for
-  /// x = [dR dv dp] and A = [A_R 0 0; A_v I 0; A_p h I].
-  struct StepDerivative {
-    double h = 0.0;
-    Eigen::Matrix3d A_R, A_v, A_p;
-    Eigen::Matrix<double, 9, 3> B_rate, B_force;
-    Eigen::Matrix<double, 9, 1> b_length;
-
-    template <int Columns>
-    void carry(Eigen::Matrix<double, 9, Columns>& X) const;
-  };
-
   void add_steps(const SignalNode& a, const SignalNode& b, int steps);
   void step(const SignalNode& a, const SignalNode& b);
-  void advance_derivatives(const StepDerivative& d, const SignalNode& a, const SignalNode& b);
+  void carry_bias(const MidpointStep& step);
+  void carry_time_offset(const MidpointStep& step, const SignalNode& a, const SignalNode& b);
+  void carry_gap(const MidpointStep& step);
 
   ImuBias bias_;
-  ImuNoise noise_;
+  double gyro_density_sq_;
+  double accel_density_sq_;
+  std::vector<RecordedStep>* record_;
   lie::SO3d dR_;
   Eigen::Vector3d dv_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d dp_ = Eigen::Vector3d::Zero();
-  Eigen::Matrix<double, 9, 9> covariance_ = Eigen::Matrix<double, 9, 9>::Zero();
-  Eigen::Matrix<double, 9, 6> J_bias_ = Eigen::Matrix<double, 9, 6>::Zero();
+  SymmetricBlocks covariance_;
+  Eigen::Matrix<double, 9, 3> J_gyro_bias_ = Eigen::Matrix<double, 9, 3>::Zero();
+  Eigen::Matrix<double, 6, 3> J_accel_bias_ = Eigen::Matrix<double, 6, 3>::Zero();  ///< [dv dp]
   Eigen::Matrix<double, 9, 1> J_time_offset_ = Eigen::Matrix<double, 9, 1>::Zero();
   bool in_gap_ = false;
   double ramp_ = 0.0;                       ///< value of the gap's ramp in the present step

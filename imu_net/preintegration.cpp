@@ -1,13 +1,9 @@
 #include "imu_net/preintegration.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
 
-#include "imu_net/gap_model.hpp"
-#include "imu_net/midpoint_integrator.hpp"
+#include "imu_net/interval_walk.hpp"
 #include "imu_net/option_bounds.hpp"
-#include "imu_net/sample_health.hpp"
 #include "slam/base/config.hpp"
 #include "slam/base/error.hpp"
 #include "slam/base/time.hpp"
@@ -17,146 +13,6 @@ namespace {
 
 constexpr double kUnknownVariance = 1e6;
 constexpr double kLargestOffset_s = 1e3;
-constexpr double kHolePeriods = 1.5;  ///< jitter of the stamps is no hole yet
-
-/// Walks over the usable samples around one interval and hands each stretch to the integrator.
-class IntervalWalk {
- public:
-  IntervalWalk(ImuRange samples,
-               ImuMotion frame,
-               const ImuNoise& noise,
-               const PreintegrationOptions& options)
-      : samples_(samples),
-        frame_(std::move(frame)),
-        noise_(noise),
-        options_(options),
-        start_s_(frame_.time_offset_s),
-        end_s_(frame_.time_offset_s + frame_.dt_s),
-        integrator_(frame_.bias, noise) {}
-
-  ImuMotion run();
-
- private:
-  double seconds(const ImuSample& sample) const {
-    return to_seconds(sample.time_ns - frame_.time0_ns);
-  }
-  SignalNode node(const ImuSample& sample) const {
-    SignalNode result;
-    result.time_s = seconds(sample);
-    result.rate = sample.angular_velocity;
-    result.force = sample.linear_acceleration;
-    return result;
-  }
-  const ImuSample* first_sample() const;
-  void visit(const ImuSample& sample);
-  void stretch(const SignalNode& a, const SignalNode& b, const Gap& gap);
-
-  ImuRange samples_;
-  ImuMotion frame_;
-  const ImuNoise& noise_;
-  const PreintegrationOptions& options_;
-  double start_s_;
-  double end_s_;
-  MidpointIntegrator integrator_;
-  std::optional<SignalNode> last_;  ///< the newest usable sample
-  const ImuSample* last_sample_ = nullptr;
-  bool dropped_ = false;    ///< a reading was refused since `last_`
-  bool saturated_ = false;  ///< it was at the limit of the range
-  bool degraded_ = false;
-  bool lost_ = false;
-};
-
-/// The last usable sample at or before the start, or the first one of all.
-const ImuSample* IntervalWalk::first_sample() const {
-  const auto start_ns = frame_.time0_ns + static_cast<std::int64_t>(std::floor(start_s_ * 1e9));
-  const ImuSample* sample = samples_.after(start_ns);
-  while (sample != samples_.begin()) {
-    --sample;
-    if (start_s_ - seconds(*sample) > options_.max_bridge_s) return sample;
-    if (sample_health(*sample, noise_) == SampleHealth::kGood) return sample;
-  }
-  return sample;
-}
-
-ImuMotion IntervalWalk::run() {
-  for (const ImuSample* s = first_sample(); s != samples_.end(); ++s) {
-    visit(*s);
-    if (lost_ || (last_ && last_->time_s >= end_s_)) break;
-    if (seconds(*s) - end_s_ > options_.max_bridge_s) break;
-  }
-  if (last_ && !lost_ && last_->time_s < end_s_) {  // nothing usable after the end: hold
-    SignalNode from = *last_;
-    if (from.time_s <= start_s_) {
-      from.time_s = start_s_;
-      from.time_slope = 1.0;
-    }
-    SignalNode to = *last_;
-    to.time_s = end_s_;
-    to.time_slope = 1.0;
-    stretch(from, to, {last_sample_, nullptr, end_s_ - last_->time_s, saturated_});
-  }
-  ImuMotion motion = frame_;
-  if (!last_ || lost_) return motion;
-  motion = integrator_.motion();
-  motion.time0_ns = frame_.time0_ns;
-  motion.time1_ns = frame_.time1_ns;
-  motion.dt_s = frame_.dt_s;
-  motion.time_offset_s = frame_.time_offset_s;
-  motion.degraded = degraded_;
-  motion.valid = true;
-  return motion;
-}
-
-void IntervalWalk::visit(const ImuSample& sample) {
-  const SampleHealth state = sample_health(sample, noise_);
-  if (state != SampleHealth::kGood) {
-    dropped_ = true;
-    saturated_ = saturated_ || state == SampleHealth::kSaturated;
-    return;
-  }
-  const SignalNode current = node(sample);
-  if (last_ && current.time_s <= last_->time_s) return;  // repeated or unordered stamp
-  if (!last_ && current.time_s > start_s_) {             // nothing usable before the start: hold
-    SignalNode from = current;
-    from.time_s = start_s_;
-    from.time_slope = 1.0;
-    SignalNode to = current;
-    if (to.time_s >= end_s_) {
-      to.time_s = end_s_;
-      to.time_slope = 1.0;
-    }
-    stretch(from, to, {nullptr, &sample, current.time_s - start_s_, saturated_});
-  } else if (last_ && current.time_s > start_s_) {
-    const double length_s = current.time_s - last_->time_s;
-    const auto end_node = [&](double time_s) {
-      SignalNode end = between(*last_, current, (time_s - last_->time_s) / length_s);
-      end.time_s = time_s;
-      end.time_slope = 1.0;
-      end.rate_slope = (current.rate - last_->rate) / length_s;
-      end.force_slope = (current.force - last_->force) / length_s;
-      return end;
-    };
-    const SignalNode from = last_->time_s <= start_s_ ? end_node(start_s_) : *last_;
-    const SignalNode to = current.time_s >= end_s_ ? end_node(end_s_) : current;
-    stretch(from, to, {last_sample_, &sample, length_s, saturated_});
-  }
-  last_ = current;
-  last_sample_ = &sample;
-  dropped_ = saturated_ = false;
-}
-
-/// From a to b: between two usable samples, or a part of that.
-void IntervalWalk::stretch(const SignalNode& a, const SignalNode& b, const Gap& gap) {
-  if (gap.length_s > options_.max_bridge_s) {
-    lost_ = true;
-    return;
-  }
-  const bool hole = dropped_ || gap.length_s * noise_.rate_hz > kHolePeriods;
-  if (!hole) return integrator_.add(a, b, options_.max_step_s);
-  degraded_ = degraded_ || gap.saturated || gap.length_s > options_.max_gap_s;
-  integrator_.add_gap(a, b, options_.max_step_s,
-                      gap_spread(gap, samples_, frame_.bias, noise_, options_));
-}
 
 }  // namespace
 
@@ -190,7 +46,8 @@ ImuMotion preintegrate(ImuRange samples,
                        const ImuBias& bias,
                        const ImuNoise& noise,
                        double time_offset_s,
-                       const PreintegrationOptions& options) {
+                       const PreintegrationOptions& options,
+                       PreintegrationRecord* record) {
   expects(time0_ns < time1_ns, "preintegrate: time0_ns must be before time1_ns");
   expects(std::abs(time_offset_s) <= kLargestOffset_s, "preintegrate: time_offset_s too large");
   ImuMotion frame;
@@ -201,7 +58,16 @@ ImuMotion preintegrate(ImuRange samples,
   frame.time_offset_s = time_offset_s;
   frame.covariance *= kUnknownVariance;
   frame.degraded = true;
-  return IntervalWalk(samples, frame, noise, options).run();
+  if (record == nullptr) return IntervalWalk(samples, frame, noise, options, nullptr).run();
+  record->samples = samples;
+  record->steps.clear();
+  record->sources.clear();
+  const ImuMotion motion = IntervalWalk(samples, frame, noise, options, record).run();
+  if (!motion.valid) {
+    record->steps.clear();
+    record->sources.clear();
+  }
+  return motion;
 }
 
 ImuMotion correct_for_bias(const ImuMotion& motion, const ImuBias& new_bias) {

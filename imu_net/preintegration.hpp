@@ -14,6 +14,8 @@ class Config;
 
 namespace imslam::imu {
 
+struct PreintegrationRecord;
+
 struct PreintegrationOptions {
   double max_gap_s = 0.05;    ///< [s] a longer stretch without samples marks the motion degraded
   double max_bridge_s = 2.0;  ///< [s] a longer one makes it invalid
@@ -34,16 +36,18 @@ struct PreintegrationOptions {
 ///
 /// w, a: reading minus bias, averaged over the two ends of each step of length h [s]. The interval
 /// is [time0, time1] + time_offset_s in IMU time; readings at its ends are interpolated linearly.
-/// J_time_offset and the bias Jacobians are exact derivatives of these sums.
+/// J_time_offset and the bias Jacobians are exact derivatives of these sums. White noise of a step,
+/// per axis: (density^2 + mean of the added variances at its two ends) / h.
 ///
-/// Readings that are not finite or reach the range of the sensor are dropped. What is not seen is
-/// interpolated between its two neighbours, or held where there is only one. There the covariance
-/// grows with the length of the gap and with the strength of the motion around it, as for an
-/// unknown rate and specific force (constant plus ramp; see gap_model.hpp). Errors of two intervals
-/// in one gap are taken as independent.
+/// Readings that are not finite, reach the range of the sensor or state a negative variance are
+/// dropped. What is not seen is interpolated between its two neighbours, or held where there is
+/// only one. There the covariance grows with the length of the gap and with the strength of the
+/// motion around it, as for an unknown rate and specific force (constant plus ramp; see
+/// gap_model.hpp). Errors of two intervals in one gap are taken as independent.
 ///   degraded   a gap > max_gap_s or a saturated reading was bridged
 ///   !valid     a gap > max_bridge_s or no usable reading: zero motion, covariance 1e6 I
 ///
+/// `record` takes what preintegration_gradient.hpp needs.
 /// Throws ContractError unless time0_ns < time1_ns and |time_offset_s| <= 1000.
 ImuMotion preintegrate(ImuRange samples,
                        std::int64_t time0_ns,
@@ -51,7 +55,8 @@ ImuMotion preintegrate(ImuRange samples,
                        const ImuBias& bias,
                        const ImuNoise& noise,
                        double time_offset_s = 0.0,
-                       const PreintegrationOptions& options = {});
+                       const PreintegrationOptions& options = {},
+                       PreintegrationRecord* record = nullptr);
 
 /// The motion as it would be with another bias, to first order:
 /// dR Exp(J_dR_bias d), dv + J_dv_bias d, dp + J_dp_bias d,   d = new_bias - motion.bias.

@@ -7,11 +7,16 @@ namespace imslam::imu {
 enum class SampleHealth {
   kGood,
   kSaturated,  ///< at or beyond the range of the sensor: the truth was at least that
-  kBroken,     ///< not finite
+  kBroken,     ///< not finite, or a negative variance
 };
+
+inline bool is_variance(const Eigen::Vector3d& v) { return v.allFinite() && v.minCoeff() >= 0.0; }
 
 inline SampleHealth sample_health(const ImuSample& sample, const ImuNoise& noise) {
   if (!sample.angular_velocity.allFinite() || !sample.linear_acceleration.allFinite()) {
+    return SampleHealth::kBroken;
+  }
+  if (!is_variance(sample.gyro_variance) || !is_variance(sample.accel_variance)) {
     return SampleHealth::kBroken;
   }
   const bool inside = sample.angular_velocity.cwiseAbs().maxCoeff() < noise.gyro_range &&

@@ -16,12 +16,10 @@ namespace {
 constexpr double kGravity = 9.81;  ///< [m/s^2]
 constexpr int kMinimumBins = 4;
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
-
 /// Means [rate force] over each bin that holds a usable reading.
-std::vector<Vector6d> bin_means(
+std::vector<BinMean> bin_means(
     ImuRange window, std::int64_t time0_ns, std::size_t bins, double bin_s, const ImuNoise& noise) {
-  std::vector<Vector6d> sums(bins, Vector6d::Zero());
+  std::vector<BinMean> sums(bins, BinMean::Zero());
   std::vector<int> counts(bins, 0);
   for (const ImuSample& sample : window) {
     const double position = to_seconds(sample.time_ns - time0_ns) / bin_s;
@@ -32,7 +30,7 @@ std::vector<Vector6d> bin_means(
     sums[bin].tail<3>() += sample.linear_acceleration;
     ++counts[bin];
   }
-  std::vector<Vector6d> means;
+  std::vector<BinMean> means;
   for (std::size_t i = 0; i < bins; ++i) {
     if (counts[i] > 0) means.push_back(sums[i] / counts[i]);
   }
@@ -60,25 +58,19 @@ void StaticDetectorOptions::validate() const {
   check_option(noise_factor >= 0.0, "static.noise_factor", noise_factor, ">= 0");
 }
 
-Stillness assess_stillness(ImuRange samples,
-                           std::int64_t time0_ns,
-                           std::int64_t time1_ns,
-                           const ImuNoise& noise,
-                           const StaticDetectorOptions& options) {
-  expects(time0_ns < time1_ns, "assess_stillness: time0_ns must be before time1_ns");
-  const double wanted = std::max(1.0, std::round(to_seconds(time1_ns - time0_ns) / options.bin_s));
-  const ImuRange window = samples.around(time0_ns, time1_ns);
-  const auto means =
-      bin_means(window, time0_ns, static_cast<std::size_t>(wanted), options.bin_s, noise);
+Stillness assess_bins(const std::vector<BinMean>& means,
+                      double wanted,
+                      const ImuNoise& noise,
+                      const StaticDetectorOptions& options) {
   Stillness result;
   result.bins = static_cast<int>(means.size());
   if (means.empty()) return result;
 
-  Vector6d mean = Vector6d::Zero();
-  for (const Vector6d& bin : means) mean += bin / result.bins;
-  Vector6d variance = Vector6d::Zero();
-  for (const Vector6d& bin : means) variance += (bin - mean).cwiseAbs2() / result.bins;
-  const Vector6d spread = variance.cwiseSqrt();
+  BinMean mean = BinMean::Zero();
+  for (const BinMean& bin : means) mean += bin / result.bins;
+  BinMean variance = BinMean::Zero();
+  for (const BinMean& bin : means) variance += (bin - mean).cwiseAbs2() / result.bins;
+  const BinMean spread = variance.cwiseSqrt();
   result.mean_rate = mean.head<3>();
   result.mean_force = mean.tail<3>();
   result.rate_spread = spread.head<3>();
@@ -93,6 +85,19 @@ Stillness assess_stillness(ImuRange samples,
                  result.mean_rate.norm() < options.max_rate &&
                  std::abs(result.mean_force.norm() - kGravity) < options.max_gravity_error;
   return result;
+}
+
+Stillness assess_stillness(ImuRange samples,
+                           std::int64_t time0_ns,
+                           std::int64_t time1_ns,
+                           const ImuNoise& noise,
+                           const StaticDetectorOptions& options) {
+  expects(time0_ns < time1_ns, "assess_stillness: time0_ns must be before time1_ns");
+  const double wanted = std::max(1.0, std::round(to_seconds(time1_ns - time0_ns) / options.bin_s));
+  const ImuRange window = samples.around(time0_ns, time1_ns);
+  const auto means =
+      bin_means(window, time0_ns, static_cast<std::size_t>(wanted), options.bin_s, noise);
+  return assess_bins(means, wanted, noise, options);
 }
 
 }  // namespace imslam::imu

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <vector>
 
 #include "imu_net/imu_buffer.hpp"
 #include "slam/sensors/imu.hpp"
@@ -33,6 +34,16 @@ struct Stillness {
   Eigen::Vector3d rate_spread = Eigen::Vector3d::Zero();   ///< [rad/s]
   Eigen::Vector3d force_spread = Eigen::Vector3d::Zero();  ///< [m/s^2]
 };
+
+/// Means over one bin, [rate force].
+using BinMean = Eigen::Matrix<double, 6, 1>;
+
+/// Whether the body rests during bins of options.bin_s; `means`: of those with usable readings, out
+/// of `wanted`.
+Stillness assess_bins(const std::vector<BinMean>& means,
+                      double wanted,
+                      const ImuNoise& noise,
+                      const StaticDetectorOptions& options = {});
 
 /// Whether the body rests between two IMU times: slow changes are small, the force is gravity's.
 ///

@@ -64,8 +64,7 @@ struct VelocityPrior {
 struct BiasPrior {
   int state = 0;
   ImuBias bias;
-  double sigma_gyro = 0.0;   ///< [rad/s]
-  double sigma_accel = 0.0;  ///< [m/s^2]
+  ImuBias sigma;  ///< axis by axis
 };
 
 struct GravityPrior {

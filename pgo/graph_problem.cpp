@@ -134,8 +134,7 @@ void GraphProblem::add_state_priors(const GraphData& data) {
     Vector6 value;
     Vector6 sigma;
     value << prior.bias.gyro, prior.bias.accel;
-    sigma << Eigen::Vector3d::Constant(prior.sigma_gyro),
-        Eigen::Vector3d::Constant(prior.sigma_accel);
+    sigma << prior.sigma.gyro, prior.sigma.accel;
     add(std::make_unique<VectorPriorFactor<6>>(value, sigma),
         biases_[static_cast<std::size_t>(prior.state)].data());
   }

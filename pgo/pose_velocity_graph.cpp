@@ -194,10 +194,17 @@ void PoseVelocityGraph::add_bias_prior(int state,
                                        const ImuBias& bias,
                                        double sigma_gyro,
                                        double sigma_accel) {
+  add_bias_prior(
+      state, bias,
+      ImuBias{Eigen::Vector3d::Constant(sigma_gyro), Eigen::Vector3d::Constant(sigma_accel)});
+}
+
+void PoseVelocityGraph::add_bias_prior(int state, const ImuBias& bias, const ImuBias& sigma) {
   expect_state(state);
-  expects(bias.gyro.allFinite() && bias.accel.allFinite() && sigma_gyro > 0.0 && sigma_accel > 0.0,
+  expects(bias.gyro.allFinite() && bias.accel.allFinite() && sigma.gyro.minCoeff() > 0.0 &&
+              sigma.accel.minCoeff() > 0.0,
           "graph: a bias prior needs positive sigmas");
-  data_.bias_priors.push_back({state, bias, sigma_gyro, sigma_accel});
+  data_.bias_priors.push_back({state, bias, sigma});
 }
 
 void PoseVelocityGraph::add_gravity_prior(const Eigen::Vector3d& direction, double sigma_rad) {

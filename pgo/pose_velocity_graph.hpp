@@ -65,6 +65,7 @@ class PoseVelocityGraph {
   /// The body stood still at `state`; sigma [m/s].
   void add_zero_velocity(int state, double sigma = 0.01);
   void add_bias_prior(int state, const ImuBias& bias, double sigma_gyro, double sigma_accel);
+  void add_bias_prior(int state, const ImuBias& bias, const ImuBias& sigma);  ///< axis by axis
   void add_gravity_prior(const Eigen::Vector3d& direction, double sigma_rad);
   void add_disparity_offset_prior(double value_px, double sigma_px);
   void add_focal_error_prior(double value, double sigma);

@@ -1,15 +1,6 @@
+#include "slam/nn/embedded_file.hpp"
 #include "vo_net/match_weights.hpp"
 #include "vo_net/pose_head_weights.hpp"
-
-// The assembler copies a file as it is: an array in C++ would compile for minutes.
-#define IMSLAM_EMBED(name, file)                 \
-  asm(".pushsection .rodata, \"a\", @progbits\n" \
-      ".balign 16\n" name                        \
-      "_begin:\n"                                \
-      ".incbin \"" file "\"\n" name              \
-      "_end:\n"                                  \
-      ".byte 0\n"                                \
-      ".popsection\n")
 
 #ifdef IMSLAM_MATCH_WEIGHTS
 IMSLAM_EMBED("imslam_match_weights", IMSLAM_MATCH_WEIGHTS);

@@ -89,6 +89,11 @@ void ImuOptions::describe(Config& config) {
   config.field("noise_scale", noise_scale, "times white noise and bias walk");
   config.field("bias_scale", bias_scale, "times the initial bias");
   config.field("shape_scale", shape_scale, "times scale factor and misalignment errors");
+  config.field("g_sensitivity_scale", g_sensitivity_scale,
+               "times the gyro's error per specific force, 1: of the grade");
+  config.field("temperature_scale", temperature_scale,
+               "times the change of bias while warming up, 1: of the grade");
+  config.field("vibration", vibration, "rms per axis while the vehicle runs [m/s^2]");
   config.field("gyro_range", gyro_range, "saturation [rad/s], 0: of the grade");
   config.field("accel_range", accel_range, "saturation [m/s^2], 0: of the grade");
   config.field("quantise", quantise, "round to the steps of a 16-bit sensor");
@@ -101,6 +106,9 @@ void ImuOptions::validate() const {
   within("imu.noise_scale", noise_scale, 0.0, 100.0);
   within("imu.bias_scale", bias_scale, 0.0, 100.0);
   within("imu.shape_scale", shape_scale, 0.0, 100.0);
+  within("imu.g_sensitivity_scale", g_sensitivity_scale, 0.0, 100.0);
+  within("imu.temperature_scale", temperature_scale, 0.0, 100.0);
+  within("imu.vibration", vibration, 0.0, 50.0);
   zero_or_within("imu.gyro_range", gyro_range, 0.1, 100.0);
   zero_or_within("imu.accel_range", accel_range, 10.0, 1000.0);
   within("imu.camera_delay_s", camera_delay_s, -0.2, 0.2);

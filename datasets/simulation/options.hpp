@@ -48,6 +48,10 @@ struct ImuOptions {
   double noise_scale = 1.0;          ///< times white noise and bias walk
   double bias_scale = 1.0;           ///< times the initial bias
   double shape_scale = 1.0;          ///< times scale factor and misalignment errors
+  double g_sensitivity_scale = 0.0;  ///< times what the grade's gyro reads per specific force
+  double temperature_scale = 0.0;    ///< times the grade's change of bias while warming up
+  double vibration = 0.0;            ///< [m/s^2] rms per axis while the vehicle runs, of rotors,
+                                     ///< engine, road
   double gyro_range = 0.0;           ///< [rad/s], 0: of the grade
   double accel_range = 0.0;          ///< [m/s^2], 0: of the grade
   bool quantise = false;             ///< round readings to the grade's 16-bit steps

@@ -23,6 +23,12 @@ constexpr std::int64_t kEpoch_ns = 1'700'000'000'000'000'000;  ///< stamp of the
 /// Independent streams of the sequence's seed.
 enum Stream : std::uint64_t { kScene = 1, kRig, kLight, kImuErrors, kImuNoise, kExposure, kImage };
 
+/// Engine or rotors start half-way through the rest and run to the end; what stands still is off.
+std::vector<VibrationLevel> vibration_levels(const SimulationOptions& options) {
+  if (options.motion == "static") return {};
+  return {{0.5 * options.rest_s, 0.0, 0.0}, {0.5 * options.rest_s + 0.5, 1.0, 1.0}};
+}
+
 SimulationOptions validated(const SimulationOptions& options) {
   options.validate();
   return options;
@@ -131,7 +137,8 @@ SimulatedFrame Simulator::render(double time_s, const FrameRequest& request) {
 }
 
 ImuModel Simulator::imu() const {
-  return ImuModel(imu_errors(), motion(), stamp_ns(0.0), implementation_->random_.fork(kImuNoise));
+  return ImuModel(imu_errors(), motion(), stamp_ns(0.0), implementation_->random_.fork(kImuNoise),
+                  vibration_levels(options()));
 }
 
 std::size_t Simulator::imu_count() const {

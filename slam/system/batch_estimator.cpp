@@ -164,10 +164,27 @@ class BatchEstimator {
         0, ImuBias(),
         system.gyro_bias_prior > 0.0 ? system.gyro_bias_prior : sensor.gyro_bias_sigma,
         system.accel_bias_prior > 0.0 ? system.accel_bias_prior : sensor.accel_bias_sigma);
+    add_bias_beliefs(graph);
     graph.add_focal_error_prior(0.0, system.focal_error_prior);
     graph.add_time_offset_prior(0.0, system.time_offset_prior_s);
     if (system.zero_velocity) hold_still_stretches(motions, graph);
     return graph;
+  }
+
+  /// Each axis once, where the correction was surest: its beliefs of other times are no news.
+  void add_bias_beliefs(pgo::PoseVelocityGraph& graph) const {
+    constexpr double kAnything = 1e3;  // [rad/s], [m/s^2]
+    const auto& times_ns = measurements_.times_ns;
+    for (const BiasBelief& belief : measurements_.bias_beliefs) {
+      const auto frame = std::lower_bound(times_ns.begin(), times_ns.end() - 1, belief.time_ns);
+      ImuBias bias;
+      ImuBias sigma{Eigen::Vector3d::Constant(kAnything), Eigen::Vector3d::Constant(kAnything)};
+      Eigen::Vector3d& values = belief.axis < 3 ? bias.gyro : bias.accel;
+      Eigen::Vector3d& sigmas = belief.axis < 3 ? sigma.gyro : sigma.accel;
+      values[belief.axis % 3] = belief.bias;
+      sigmas[belief.axis % 3] = belief.sigma;
+      graph.add_bias_prior(static_cast<int>(frame - times_ns.begin()), bias, sigma);
+    }
   }
 
   /// Frames where the IMU rests and vision agrees.

@@ -11,6 +11,14 @@
 
 namespace imslam::system {
 
+/// What a correction is surest of about the bias of one axis.
+struct BiasBelief {
+  int axis = 0;  ///< 0 to 2: gyro, 3 to 5: accelerometer
+  std::int64_t time_ns = 0;
+  double bias = 0.0;   ///< [rad/s], [m/s^2]
+  double sigma = 0.0;  ///< standard deviation
+};
+
 /// What the front ends have measured: all that the graph needs. Grows by a few kB per frame.
 struct Measurements {
   std::vector<std::int64_t> times_ns;    ///< of all frames, strictly increasing
@@ -19,6 +27,7 @@ struct Measurements {
 
   std::vector<ImuSample> imu;  ///< strictly increasing stamps; empty: no IMU
   ImuNoise imu_noise;
+  std::vector<BiasBelief> bias_beliefs;  ///< one per axis and sensor, or none
 
   /// Index of the frame with this stamp; empty if there is none. Binary search.
   std::optional<std::size_t> frame_at(std::int64_t time_ns) const;

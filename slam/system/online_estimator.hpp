@@ -27,6 +27,7 @@ class OnlineEstimator {
   /// What was known at each frame; empty before the start.
   const Trajectory& trajectory() const { return trajectory_; }
 
+  bool started() const { return window_.has_value(); }
   /// The newest bias; zero before the start.
   ImuBias bias() const { return window_ ? window_->newest().bias : ImuBias(); }
 

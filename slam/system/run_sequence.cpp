@@ -35,16 +35,18 @@ FrameRange frame_range(const datasets::Sequence& sequence, const RunRequest& req
   return {request.first_frame, last};
 }
 
-/// Hands over samples as time goes on.
+/// Hands over samples as time goes on. Those long before the first frame only tell about the
+/// sensor.
 class ImuFeed {
  public:
   /// `samples` null: there is no IMU.
-  ImuFeed(const std::vector<ImuSample>* samples, std::int64_t start_ns) : samples_(samples) {
+  ImuFeed(const std::vector<ImuSample>* samples, std::int64_t start_ns, SlamSystem& slam)
+      : samples_(samples) {
     if (samples_ == nullptr) return;
-    const auto first = std::lower_bound(
-        samples_->begin(), samples_->end(), start_ns - kImuLookAhead_ns,
-        [](const ImuSample& sample, std::int64_t time_ns) { return sample.time_ns < time_ns; });
-    next_ = static_cast<std::size_t>(first - samples_->begin());
+    for (; next_ < samples_->size() && (*samples_)[next_].time_ns < start_ns - kImuLookAhead_ns;
+         ++next_) {
+      slam.add_earlier_imu((*samples_)[next_]);
+    }
   }
 
   void advance(std::int64_t frame_time_ns, SlamSystem& slam) {
@@ -112,7 +114,8 @@ RunOutcome run_sequence(datasets::Sequence& sequence,
 
   const auto start = std::chrono::steady_clock::now();
   SlamSystem slam(options, sequence.camera(), noise);
-  ImuFeed imu(inertial ? &sequence.imu()->samples : nullptr, sequence.frame_time_ns(range.first));
+  ImuFeed imu(inertial ? &sequence.imu()->samples : nullptr, sequence.frame_time_ns(range.first),
+              slam);
   datasets::FrameReader reader(sequence, range.first, range.last);
   RunOutcome outcome;
   std::size_t done = 0;

@@ -18,7 +18,7 @@ void require(bool good, const char* key, double value, const char* bound) {
 
 void SystemOptions::describe(Config& config) {
   config.field("front_end", front_end, {"klt", "learned"}, "which matcher sees");
-  config.field("imu", imu, {"raw", "off"}, "which inertial measurements take part");
+  config.field("imu", imu, {"raw", "learned", "off"}, "which inertial measurements take part");
   config.field("preset", preset, {"default", "paper"}, "which graph");
   config.field("paper_weights", paper_weights, {"euroc", "kitti"}, "constants of preset paper");
   config.field("loops", loops, "views seen again tie the present to the past");
@@ -73,6 +73,7 @@ void SlamOptions::describe(Config& config) {
   config.section("vo", vo);
   config.section("loops", loops);
   config.section("imu", preintegration);
+  config.section("imu_network", imu_network);
   config.section("gyro_alignment", gyro_alignment);
   config.section("still", still);
   config.section("pgo", pgo);

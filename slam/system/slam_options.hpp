@@ -3,6 +3,7 @@
 #include <string>
 
 #include "imu_net/gyro_alignment.hpp"
+#include "imu_net/imu_weights.hpp"
 #include "imu_net/preintegration.hpp"
 #include "imu_net/static_detector.hpp"
 #include "pgo/options.hpp"
@@ -19,7 +20,7 @@ namespace imslam::system {
 /// How the rooms play together.
 struct SystemOptions {
   std::string front_end = "klt";        ///< which matcher sees: klt, learned
-  std::string imu = "raw";              ///< which inertial measurements take part: raw, off
+  std::string imu = "raw";              ///< which inertial measurements: raw, learned, off
   std::string preset = "default";       ///< which graph: default, paper (the published method's)
   std::string paper_weights = "euroc";  ///< constants of the paper preset: euroc, kitti
   bool loops = true;                    ///< views seen again tie the present to the past
@@ -59,6 +60,7 @@ struct SlamOptions {
   vo::VoOptions vo;
   vo::LoopOptions loops;
   imu::PreintegrationOptions preintegration;
+  imu::ImuNetworkOptions imu_network;
   imu::GyroAlignmentOptions gyro_alignment;
   imu::StaticDetectorOptions still;
   pgo::GraphOptions pgo;

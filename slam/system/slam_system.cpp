@@ -8,6 +8,7 @@
 #include "slam/system/batch_estimator.hpp"
 #include "slam/system/calibration_doubts.hpp"
 #include "slam/system/front_end.hpp"
+#include "slam/system/inertial_front_end.hpp"
 #include "slam/system/map_sampler.hpp"
 #include "slam/system/measurements.hpp"
 #include "slam/system/online_estimator.hpp"
@@ -33,8 +34,16 @@ class SlamSystem::State {
     if (options.system.loops) loops_.emplace(options.loops, options.vo, camera);
     if (!imu_noise) return;
     measurements_.imu_noise = *imu_noise;
+    if (front_end.imu_network) {
+      inertial_front_end_.emplace(std::move(front_end.imu_network), *imu_noise);
+      return;
+    }
     measurements_.imu_noise.gyro_noise_density *= options.system.gyro_noise_factor;
     measurements_.imu_noise.accel_noise_density *= options.system.accel_noise_factor;
+  }
+
+  void add_earlier_imu(const ImuSample& sample) {
+    if (inertial_front_end_) inertial_front_end_->add(sample);
   }
 
   void add_imu(const ImuSample& sample) {
@@ -44,7 +53,9 @@ class SlamSystem::State {
       ++result_.counters.imu_dropped;
       return;
     }
-    samples.push_back(sample);
+    if (!inertial_front_end_) return samples.push_back(sample);
+    samples.push_back(inertial_front_end_->add(sample));
+    measurements_.bias_beliefs = inertial_front_end_->beliefs();
   }
 
   FrameReport process(const StereoFrame& frame) {
@@ -111,10 +122,16 @@ class SlamSystem::State {
     const auto anchor_ns = odometry_.anchor_time_ns();
     if (!inertial_ || !anchor_ns) return std::nullopt;
     const ImuMotion motion =
-        imu::preintegrate(measurements_.imu, *anchor_ns, time_ns, online_.bias(),
+        imu::preintegrate(measurements_.imu, *anchor_ns, time_ns, present_bias(),
                           measurements_.imu_noise, 0.0, options_.preintegration);
     if (!motion.valid) return std::nullopt;
     return vo::MotionPrior{motion.dR, std::nullopt};
+  }
+
+  /// The window's; before it has started what the correction believes, or zero.
+  ImuBias present_bias() const {
+    if (online_.started() || !inertial_front_end_) return online_.bias();
+    return inertial_front_end_->bias();
   }
 
   /// Moves all motions to the disparity offset that vision alone found. The odometry's own
@@ -139,7 +156,8 @@ class SlamSystem::State {
   StereoCamera camera_;
   vo::VisualOdometry odometry_;
   OnlineEstimator online_;
-  std::optional<vo::LoopCloser> loops_;  ///< empty: off
+  std::optional<InertialFrontEnd> inertial_front_end_;  ///< empty: raw readings
+  std::optional<vo::LoopCloser> loops_;                 ///< empty: off
   MapSampler map_sampler_;
   Measurements measurements_;
   bool inertial_;
@@ -211,6 +229,8 @@ SlamSystem::SlamSystem(const SlamOptions& options,
 SlamSystem::~SlamSystem() = default;
 
 void SlamSystem::add_imu(const ImuSample& sample) { state_->add_imu(sample); }
+
+void SlamSystem::add_earlier_imu(const ImuSample& sample) { state_->add_earlier_imu(sample); }
 
 SlamSystem::FrameReport SlamSystem::process(const StereoFrame& frame) {
   return state_->process(frame);

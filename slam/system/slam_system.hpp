@@ -31,6 +31,9 @@ class SlamSystem {
 
   /// Samples come in order of time; one that does not is counted and left out.
   void add_imu(const ImuSample& sample);
+  /// A reading from long before the first frame: the correction learns about the sensor from it,
+  /// nothing else does. In order of time, before all others.
+  void add_earlier_imu(const ImuSample& sample);
 
   /// What is known about a frame as soon as it was seen.
   struct FrameReport {

@@ -61,7 +61,7 @@ Raw read_euroc(const fs::path& folder) {
   return raw;
 }
 
-fs::path extrinsics_file(const fs::path& stem, const InertialLogOptions& options) {
+fs::path extrinsics_file(const fs::path& stem, const InertialLogFileOptions& options) {
   if (!options.T_cam0_imu.empty()) return options.T_cam0_imu;
   for (const fs::path& file :
        {with_suffix(stem, "_T_cam0_imu.txt"), stem.parent_path() / "T_cam0_imu.txt"}) {
@@ -74,7 +74,7 @@ fs::path extrinsics_file(const fs::path& stem, const InertialLogOptions& options
       ExitCode::kCalibration);
 }
 
-Raw read_prefix(const fs::path& stem, const InertialLogOptions& options) {
+Raw read_prefix(const fs::path& stem, const InertialLogFileOptions& options) {
   const fs::path tum = with_suffix(stem, "_truth.tum");
   const fs::path kitti = with_suffix(stem, "_poses.txt");
   Raw raw;
@@ -97,7 +97,7 @@ Raw read_prefix(const fs::path& stem, const InertialLogOptions& options) {
   return raw;
 }
 
-Raw read_raw(const fs::path& path, const InertialLogOptions& options) {
+Raw read_raw(const fs::path& path, const InertialLogFileOptions& options) {
   for (const fs::path& imu0 : {path / "mav0" / "imu0", path / "imu0"}) {
     if (fs::exists(imu0 / "data.csv")) return read_euroc(path);
   }
@@ -146,7 +146,7 @@ VelocityFit velocities_of(const Raw& raw,
 
 }  // namespace
 
-InertialLogReading read_inertial_log(const fs::path& path, const InertialLogOptions& options) {
+InertialLogReading read_inertial_log(const fs::path& path, const InertialLogFileOptions& options) {
   // "MH_01/" and "MH_01" are one log.
   fs::path given = path;
   if (given.filename().empty()) given = given.parent_path();

@@ -8,7 +8,7 @@
 
 namespace imslam::training {
 
-struct InertialLogOptions {
+struct InertialLogFileOptions {
   /// p_cam0 = T p_imu, for truth of a camera; empty: PATH/NAME_T_cam0_imu.txt or
   /// PATH/T_cam0_imu.txt.
   std::filesystem::path T_cam0_imu;
@@ -38,6 +38,6 @@ struct InertialLogReading {
 /// degree.
 /// InputError: kData "file:line: ..." as datasets' readers, kCalibration for yaml and extrinsics.
 InertialLogReading read_inertial_log(const std::filesystem::path& path,
-                                     const InertialLogOptions& options = {});
+                                     const InertialLogFileOptions& options = {});
 
 }  // namespace imslam::training

@@ -46,6 +46,19 @@ function(imslam_room name)
   add_library(imslam::${name} ALIAS imslam_${name})
 endfunction()
 
+# The trained networks are part of the program: nothing to install, nothing to lose. weights/FILE of this folder is
+# embedded by its shipped_weights.cpp, which finds the path in DEFINITION; WITHOUT says what misses it.
+function(imslam_embed_weights file definition without)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/weights)  # comes or goes
+  set(path ${CMAKE_CURRENT_SOURCE_DIR}/weights/${file})
+  if(EXISTS ${path})
+    set_property(SOURCE shipped_weights.cpp APPEND PROPERTY COMPILE_DEFINITIONS ${definition}="${path}")
+    set_property(SOURCE shipped_weights.cpp APPEND PROPERTY OBJECT_DEPENDS ${path})
+  else()
+    message(STATUS "no ${path}: ${without} will ask for a weight file")
+  endif()
+endfunction()
+
 # imslam_test(pgo SOURCES ... DEPENDS imslam::pgo ...): one test executable per room.
 function(imslam_test name)
   cmake_parse_arguments(TEST "" "" "SOURCES;DEPENDS" ${ARGN})

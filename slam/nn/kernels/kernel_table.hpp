@@ -81,6 +81,14 @@ struct UpsampleRow {
   int width, channels;
 };
 
+/// y = x w for a few rows, as in a recurrent step: w is read as it is, once for each four rows.
+struct ThinProduct {
+  const float* x;  ///< [rows, inner]
+  const float* w;  ///< [inner, columns]
+  float* y;        ///< [rows, columns]
+  int rows, inner, columns;
+};
+
 /// Most outputs of a group of a narrow product.
 constexpr int kNarrowOutputs = 4;
 
@@ -105,6 +113,7 @@ struct KernelTable {
                     float smallest_square,
                     float* inverse,
                     float* y);
+  void (*thin_product)(const ThinProduct&);
 };
 
 const KernelTable* sse2_kernels();

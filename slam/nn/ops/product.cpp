@@ -7,15 +7,6 @@
 namespace imslam::nn {
 namespace {
 
-/// Rows as pixels of one line: X [rows, inner] W [inner, columns].
-ConvolutionShape product_shape(Index rows, Index inner, Index columns) {
-  ConvolutionShape s;
-  s.in_width = static_cast<int>(rows);
-  s.in_channels = static_cast<int>(inner);
-  s.out_channels = static_cast<int>(columns);
-  return s;
-}
-
 /// The offsets of the i-th matrices of a batch.
 struct Batch {
   Index count;
@@ -52,6 +43,14 @@ bool same_leading_axes(const Shape& a, const Shape& b) {
 }
 
 }  // namespace
+
+ConvolutionShape product_shape(Index rows, Index inner, Index columns) {
+  ConvolutionShape s;
+  s.in_width = static_cast<int>(rows);
+  s.in_channels = static_cast<int>(inner);
+  s.out_channels = static_cast<int>(columns);
+  return s;
+}
 
 template <typename S>
 Var linear(Tape<S>& tape, Var x, Var w, Var b, Activation activation) {

@@ -5,6 +5,10 @@
 
 namespace imslam::nn {
 
+/// A matrix product as a convolution: the rows of X [rows, inner] are pixels of one line, W [inner,
+/// columns] is the kernel.
+ConvolutionShape product_shape(Index rows, Index inner, Index columns);
+
 /// Y = activation(X W + b), row by row: a 1x1 convolution.
 ///
 ///   x [...,Cin]    w [Cin,Cout]    b [Cout] or none    y [...,Cout]

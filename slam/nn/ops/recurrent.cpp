@@ -1,6 +1,11 @@
 #include "slam/nn/ops/recurrent.hpp"
 
+#include <algorithm>
+#include <type_traits>
+
+#include "slam/nn/kernels/instruction_set.hpp"
 #include "slam/nn/ops/layout.hpp"
+#include "slam/nn/ops/plain_convolution.hpp"
 #include "slam/nn/ops/product.hpp"
 
 namespace imslam::nn {
@@ -35,6 +40,32 @@ void step_forward(Index H, const S* a, const S* c, const S* before, S* gates, S*
     gates[2 * H + i] = n;
     gates[3 * H + i] = c[2 * H + i];
     h[i] = (S(1) - z) * n + z * before[i];
+  }
+}
+
+/// The same with Eigen's fast tanh of floats.
+void step_forward(
+    Index H, const float* a, const float* c, const float* before, float* gates, float* h) {
+  using Row = Eigen::Map<Eigen::ArrayXf>;
+  using ConstRow = Eigen::Map<const Eigen::ArrayXf>;
+  const ConstRow c_n(c + 2 * H, H);
+  Row rz(gates, 2 * H);
+  Row n(gates + 2 * H, H);
+  rz = 0.5F + 0.5F * (0.5F * (ConstRow(a, 2 * H) + ConstRow(c, 2 * H))).tanh();
+  n = (ConstRow(a + 2 * H, H) + rz.head(H) * c_n).tanh();
+  Row(gates + 3 * H, H) = c_n;
+  Row(h, H) = (1.0F - rz.tail(H)) * n + rz.tail(H) * ConstRow(before, H);
+}
+
+/// Y = X W for the rows of one time.
+template <typename S>
+void product_of_step(Index rows, Index inner, Index columns, const S* x, const S* w, S* y) {
+  if constexpr (std::is_same_v<S, float>) {
+    kernels::selected_kernels().thin_product(
+        {x, w, y, static_cast<int>(rows), static_cast<int>(inner), static_cast<int>(columns)});
+  } else {
+    MatrixMap<S>(y, rows, columns).noalias() =
+        ConstMatrixMap<S>(x, rows, inner) * ConstMatrixMap<S>(w, inner, columns);
   }
 }
 
@@ -74,14 +105,34 @@ void scan_forward(
   S* const c = scratch.template zeros<S>(s.samples * 3 * H);
   for (Index t = 0; t < s.steps; ++t) {
     copy_step(s, tape.data(h0), tape.data(y), t, before);
-    MatrixMap<S> C(c, s.samples, 3 * H);
-    C.noalias() = MatrixMap<S>(before, s.samples, H) * tape.matrix(wh);
-    C.rowwise() += tape.matrix(bh).row(0);
+    product_of_step(s.samples, H, 3 * H, before, tape.data(wh), c);
+    MatrixMap<S>(c, s.samples, 3 * H).rowwise() += tape.matrix(bh).row(0);
     for (Index n = 0; n < s.samples; ++n) {
       step_forward(H, tape.data(a) + s.at(n, t, 3 * H), c + n * 3 * H, before + n * H,
                    gates + s.at(n, t, 4 * H), tape.data(y) + s.at(n, t, H));
     }
   }
+}
+
+/// dWh += H_before^T dC and dbh += 1^T dC over all times at once.
+template <typename S>
+void add_weight_gradients(Tape<S>& tape, const Sequence& s, Var h0, Var wh, Var bh, Var y, S* dc) {
+  const Index rows = s.samples * s.steps;
+  const MatrixMap<S> dC(dc, rows, 3 * s.hidden);
+  if (tape.wants_gradient(bh)) tape.gradient_matrix(bh) += dC.colwise().sum();
+  if (!tape.wants_gradient(wh)) return;
+  Scratch<S> scratch(tape);
+  S* const before = scratch.template array<S>(rows * s.hidden);
+  for (Index n = 0; n < s.samples; ++n) {
+    S* const to = before + s.at(n, 0, s.hidden);
+    std::copy_n(tape.data(h0) + n * s.hidden, s.hidden, to);
+    std::copy_n(tape.data(y) + s.at(n, 0, s.hidden), (s.steps - 1) * s.hidden, to + s.hidden);
+  }
+  tape.accumulate_overwriting(wh, [&](S* dW) {
+    S* const no_bias = nullptr;
+    convolution_backward_weights(product_shape(rows, s.hidden, 3 * s.hidden), before, dc, dW,
+                                 no_bias, tape.workspace());
+  });
 }
 
 template <typename S>
@@ -91,27 +142,29 @@ void scan_backward(
   Scratch<S> scratch(tape);
   S* const before = scratch.template zeros<S>(s.samples * H);
   S* const dh = scratch.template zeros<S>(s.samples * H);
+  S* const by_next = scratch.template zeros<S>(s.samples * H);
   S* const da = scratch.template zeros<S>(3 * H);
   S* const dc = scratch.template zeros<S>(s.samples * 3 * H);
+  S* const dc_all = scratch.template array<S>(s.samples * s.steps * 3 * H);
+  S* const wh_transposed = scratch.template array<S>(3 * H * H);
+  MatrixMap<S>(wh_transposed, 3 * H, H) = tape.matrix(wh).transpose();
   const S* const dY = tape.gradient_data(y);
   S* const dA = tape.wants_gradient(a) ? tape.gradient_data(a) : nullptr;
-  const MatrixMap<S> dC(dc, s.samples, 3 * H);
   for (Index t = s.steps - 1; t >= 0; --t) {
     copy_step(s, tape.data(h0), tape.data(y), t, before);
     for (Index n = 0; n < s.samples; ++n) {
       const S* const dy = dY + s.at(n, t, H);
       for (Index i = 0; i < H; ++i) dh[n * H + i] += dy[i];
       step_backward(H, gates + s.at(n, t, 4 * H), before + n * H, dh + n * H, da, dc + n * 3 * H);
+      std::copy_n(dc + n * 3 * H, 3 * H, dc_all + s.at(n, t, 3 * H));
       if (dA == nullptr) continue;
       for (Index i = 0; i < 3 * H; ++i) dA[s.at(n, t, 3 * H) + i] += da[i];
     }
-    if (tape.wants_gradient(wh)) {
-      tape.gradient_matrix(wh).noalias() += MatrixMap<S>(before, s.samples, H).transpose() * dC;
-    }
-    if (tape.wants_gradient(bh)) tape.gradient_matrix(bh) += dC.colwise().sum();
-    MatrixMap<S>(dh, s.samples, H).noalias() += dC * tape.matrix(wh).transpose();
+    product_of_step(s.samples, 3 * H, H, dc, wh_transposed, by_next);
+    for (Index i = 0; i < s.samples * H; ++i) dh[i] += by_next[i];
   }
   tape.accumulate(h0, [&](ArrayMap<S> dH0) { dH0 += ArrayMap<S>(dh, s.samples * H); });
+  add_weight_gradients(tape, s, h0, wh, bh, y, dc_all);
 }
 
 }  // namespace

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "imu_net/imu_network.hpp"
+#include "imu_net/preintegration.hpp"
+#include "slam/sensors/motion.hpp"
+
+namespace imslam::imu {
+
+/// A log with truth, for training.
+struct CorrectionTask {
+  const std::vector<ImuSample>* samples = nullptr;
+  ImuNoise noise;                         ///< datasheet
+  std::vector<std::int64_t> frame_times;  ///< of the frames that the answer belongs to
+  std::vector<ImuMotion> windows;         ///< times, dR, dv, dp of the truth
+
+  /// What the truth itself is uncertain of: added to the covariance of every window.
+  double truth_rotation = 1e-5;  ///< [rad]
+  double truth_velocity = 1e-4;  ///< [m/s]
+  double truth_position = 1e-4;  ///< [m]
+};
+
+/// x up to 16, then 8 sqrt(x) - 16: one bad window does not rule.
+double robust_square(double x);
+
+/// Mean over the windows of the negative log-likelihood of the true motion, per degree of freedom:
+///
+///   m = preintegrate(corrected readings)    e = difference(m, truth)     P = Sigma_m + J S J^T +
+///   truth l = (robust(e^T P^-1 e / 9) + log det P / 9) / 2
+///
+/// S: the answer's sigmas squared at the window's start; J = dm/dbias; see robust_square().
+/// Windows that begin before the first frame,
+/// or in which a gap is bridged, do not count.
+///
+/// Backward through the mean and the covariance of the integration, exactly; J is taken as
+/// constant.
+template <typename S>
+nn::Var correction_loss(nn::Tape<S>& tape, const ImuAnswer& answer, const CorrectionTask& task);
+
+}  // namespace imslam::imu

@@ -1,0 +1,95 @@
+#include "imu_net/imu_corrector.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "imu_net/sample_health.hpp"
+
+namespace imslam::imu {
+
+namespace {
+
+using nn::Index;
+
+constexpr Index kContext = ImuNetwork<float>::kContext;
+
+/// Number `channel` of axis `axis` of a value [3,1,2].
+double number(const nn::Tape<float>& tape, nn::Var v, int axis, int channel) {
+  return static_cast<double>(tape.data(v)[2 * axis + channel]);
+}
+
+}  // namespace
+
+ImuSample corrected(const ImuSample& sample,
+                    const ImuCorrection& correction,
+                    const ImuNoise& noise) {
+  if (sample_health(sample, noise) != SampleHealth::kGood) return sample;
+  ImuSample result = sample;
+  result.angular_velocity -= correction.offset.gyro;
+  result.linear_acceleration -= correction.offset.accel;
+  result.gyro_variance += correction.gyro_variance;
+  result.accel_variance += correction.accel_variance;
+  return result;
+}
+
+ImuCorrector::ImuCorrector(std::shared_ptr<const ImuNetwork<float>> network, const ImuNoise& noise)
+    : network_(std::move(network)),
+      noise_(noise),
+      extractor_(noise),
+      frames_{nn::Tensor<float>({3, kContext + 1, ImuFrame::kFeatures}),
+              nn::Tensor<float>({3, 1, ImuFrame::kGyroCandidates}),
+              nn::Tensor<float>({3, 1, ImuFrame::kAccelCandidates})},
+      state_({3, network_->gru.hidden()}) {}
+
+ImuSample ImuCorrector::correct(const ImuSample& sample) {
+  for (const ImuFrame& frame : extractor_.add(sample)) look(frame);
+  return said_ ? corrected(sample, correction_, noise_) : sample;
+}
+
+void ImuCorrector::look(const ImuFrame& frame) {
+  constexpr Index kFeatures = ImuFrame::kFeatures;
+  for (Index axis = 0; axis < 3; ++axis) {
+    float* const rows = frames_.features.data() + axis * (kContext + 1) * kFeatures;
+    std::copy(rows + kFeatures, rows + (kContext + 1) * kFeatures, rows);
+    const auto& newest = frame.features[static_cast<std::size_t>(axis)];
+    std::copy(newest.begin(), newest.end(), rows + kContext * kFeatures);
+    put_candidates(frame, axis, 0, frames_);
+  }
+  tape_.reset();
+  const ImuAnswer answer = network_->forward(tape_, frames_, tape_.constant(state_));
+  std::copy_n(tape_.data(answer.state), state_.size(), state_.data());
+
+  said_ = true;
+  correction_.time_ns = frame.time_ns;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto of = [&](nn::Var v, int sensor) { return number(tape_, v, axis, sensor); };
+    const double gyro_added = noise_.gyro_noise_density * std::exp(of(answer.noise, 0));
+    const double accel_added = noise_.accel_noise_density * std::exp(of(answer.noise, 1));
+    correction_.offset.gyro[axis] = of(answer.offset, 0);
+    correction_.offset.accel[axis] = of(answer.offset, 1);
+    correction_.gyro_variance[axis] = gyro_added * gyro_added;
+    correction_.accel_variance[axis] = accel_added * accel_added;
+    correction_.sigma.gyro[axis] = std::exp(of(answer.log_sigma, 0));
+    correction_.sigma.accel[axis] = std::exp(of(answer.log_sigma, 1));
+  }
+}
+
+CorrectedSamples correct_samples(const std::shared_ptr<const ImuNetwork<float>>& network,
+                                 ImuRange samples,
+                                 const ImuNoise& noise) {
+  CorrectedSamples result;
+  result.samples.reserve(samples.size());
+  ImuCorrector corrector(network, noise);
+  for (const ImuSample& sample : samples) {
+    result.samples.push_back(corrector.correct(sample));
+    const ImuCorrection* const said = corrector.correction();
+    if (said == nullptr) continue;
+    if (result.bias_sigma.empty() || result.bias_sigma.back().time_ns != said->time_ns) {
+      result.bias_sigma.push_back({said->time_ns, said->sigma});
+    }
+  }
+  return result;
+}
+
+}  // namespace imslam::imu

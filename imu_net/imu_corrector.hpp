@@ -1,0 +1,57 @@
+#pragma once
+
+#include <deque>
+#include <memory>
+
+#include "imu_net/corrected_samples.hpp"
+#include "imu_net/imu_buffer.hpp"
+#include "imu_net/imu_features.hpp"
+#include "imu_net/imu_network.hpp"
+
+namespace imslam::imu {
+
+/// What the network last said, in numbers; holds from `time_ns` on.
+struct ImuCorrection {
+  std::int64_t time_ns = 0;
+  ImuBias offset;                                            ///< to be subtracted
+  Eigen::Vector3d gyro_variance = Eigen::Vector3d::Zero();   ///< see ImuSample
+  Eigen::Vector3d accel_variance = Eigen::Vector3d::Zero();  ///< see ImuSample
+  ImuBias sigma;                                             ///< how wrong the offset may still be
+};
+
+/// The reading with the correction applied. One that is broken or at the limit of the range is
+/// returned as it is, so that preintegration still sees it for what it is.
+ImuSample corrected(const ImuSample& sample,
+                    const ImuCorrection& correction,
+                    const ImuNoise& noise);
+
+/// Corrects a stream of readings; causal, state of fixed size, no allocation per reading once warm.
+class ImuCorrector {
+ public:
+  ImuCorrector(std::shared_ptr<const ImuNetwork<float>> network, const ImuNoise& noise);
+
+  /// Stamps must increase. Before the first bin is full readings stay as they are.
+  ImuSample correct(const ImuSample& sample);
+
+  /// Null until the network has said something.
+  const ImuCorrection* correction() const { return said_ ? &correction_ : nullptr; }
+
+ private:
+  void look(const ImuFrame& frame);
+
+  std::shared_ptr<const ImuNetwork<float>> network_;
+  ImuNoise noise_;
+  FeatureExtractor extractor_;
+  ImuFrameTensors<float> frames_;  ///< the last ones, the newest at the end
+  nn::Tensor<float> state_;
+  nn::Tape<float> tape_{nn::Mode::kInference};
+  ImuCorrection correction_;
+  bool said_ = false;
+};
+
+/// A whole log, exactly as ImuCorrector would have streamed it.
+CorrectedSamples correct_samples(const std::shared_ptr<const ImuNetwork<float>>& network,
+                                 ImuRange samples,
+                                 const ImuNoise& noise);
+
+}  // namespace imslam::imu

@@ -1,0 +1,34 @@
+#include "slam/system/inertial_front_end.hpp"
+
+namespace imslam::system {
+
+ImuSample InertialFrontEnd::add(const ImuSample& sample) {
+  const imu::ImuCorrection* const before = corrector_.correction();
+  const std::int64_t said_ns = before != nullptr ? before->time_ns : 0;
+  const ImuSample corrected = corrector_.correct(sample);
+  const imu::ImuCorrection* const said = corrector_.correction();
+  if (said != nullptr && (before == nullptr || said->time_ns != said_ns)) believe(*said);
+  ImuSample result = sample;
+  result.gyro_variance = corrected.gyro_variance;
+  result.accel_variance = corrected.accel_variance;
+  return result;
+}
+
+ImuBias InertialFrontEnd::bias() const {
+  const imu::ImuCorrection* const said = corrector_.correction();
+  return said != nullptr ? said->offset : ImuBias();
+}
+
+void InertialFrontEnd::believe(const imu::ImuCorrection& said) {
+  const bool first = beliefs_.empty();
+  if (first) beliefs_.resize(6);
+  for (int axis = 0; axis < 6; ++axis) {
+    const bool gyro = axis < 3;
+    const double sigma = (gyro ? said.sigma.gyro : said.sigma.accel)[axis % 3];
+    BiasBelief& belief = beliefs_[static_cast<std::size_t>(axis)];
+    if (!first && sigma >= belief.sigma) continue;
+    belief = {axis, said.time_ns, (gyro ? said.offset.gyro : said.offset.accel)[axis % 3], sigma};
+  }
+}
+
+}  // namespace imslam::system

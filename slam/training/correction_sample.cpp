@@ -1,0 +1,88 @@
+#include "slam/training/correction_sample.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "imu_net/imu_features.hpp"
+#include "slam/base/time.hpp"
+
+namespace imslam::training {
+namespace {
+
+constexpr std::int64_t kFirstWindow_ns = 1'000'000'000;  // by then the network has seen something
+
+std::size_t state_at(const InertialLog& log, std::int64_t time_ns) {
+  const auto found = std::lower_bound(
+      log.truth.begin(), log.truth.end(), time_ns,
+      [](const InertialLog::TrueState& state, std::int64_t time) { return state.time_ns < time; });
+  return static_cast<std::size_t>(found - log.truth.begin());
+}
+
+std::vector<ImuMotion> draw_windows(const InertialLog& log,
+                                    const WindowDraw& draw,
+                                    Random& random) {
+  std::vector<ImuMotion> windows;
+  if (log.samples.empty() || log.truth.empty()) return windows;
+  const std::int64_t first_ns =
+      std::max(log.truth.front().time_ns, log.samples.front().time_ns + kFirstWindow_ns);
+  const double span_s = to_seconds(log.truth.back().time_ns - first_ns);
+  for (int i = 0; i < draw.count; ++i) {
+    const double length_s = draw.least_s * std::pow(draw.most_s / draw.least_s, random.uniform());
+    const double place = random.uniform();
+    if (length_s > span_s) continue;
+    const std::int64_t start_ns = first_ns + to_nanoseconds(place * (span_s - length_s));
+    const std::size_t first = state_at(log, start_ns);
+    const std::size_t last = state_at(log, start_ns + to_nanoseconds(length_s));
+    if (last >= log.truth.size() || last <= first) continue;
+    windows.push_back(true_motion(log, first, last));
+  }
+  return windows;
+}
+
+}  // namespace
+
+ImuMotion true_motion(const InertialLog& log, std::size_t first, std::size_t last) {
+  const InertialLog::TrueState& a = log.truth.at(first);
+  const InertialLog::TrueState& b = log.truth.at(last);
+  ImuMotion motion =
+      imu::motion_between(a.nav, b.nav, to_seconds(b.time_ns - a.time_ns), log.gravity_world);
+  motion.time0_ns = a.time_ns;
+  motion.time1_ns = b.time_ns;
+  return motion;
+}
+
+void make_correction_sample(InertialLog log,
+                            const WindowDraw& draw,
+                            Random random,
+                            CorrectionSample& sample) {
+  sample.log = std::move(log);
+  sample.frames.clear();
+  sample.task.frame_times.clear();
+  imu::FeatureExtractor extractor(sample.log.noise);
+  for (const ImuSample& reading : sample.log.samples) {
+    for (const imu::ImuFrame& frame : extractor.add(reading)) {
+      sample.frames.push_back(frame);
+      sample.task.frame_times.push_back(frame.time_ns);
+    }
+  }
+  sample.task.samples = &sample.log.samples;
+  sample.task.noise = sample.log.noise;
+  sample.task.windows = draw_windows(sample.log, draw, random);
+}
+
+InertialLog cropped(const InertialLog& log, double start_s, double length_s) {
+  InertialLog part = log;
+  if (log.truth.empty()) return part;
+  const std::int64_t start_ns = log.truth.front().time_ns + to_nanoseconds(start_s);
+  const std::int64_t end_ns = start_ns + to_nanoseconds(length_s);
+  const auto outside = [&](const auto& item) {
+    return item.time_ns < start_ns || item.time_ns > end_ns;
+  };
+  part.samples.erase(std::remove_if(part.samples.begin(), part.samples.end(), outside),
+                     part.samples.end());
+  part.truth.erase(std::remove_if(part.truth.begin(), part.truth.end(), outside), part.truth.end());
+  return part;
+}
+
+}  // namespace imslam::training
