@@ -122,7 +122,7 @@ class ImuComparison {
   }
 
  private:
-  training::InertialLogOptions options_;
+  training::InertialLogFileOptions options_;
   std::vector<training::InertialMethod> methods_;
   std::vector<training::OpenIntegrationOptions> windows_;
   std::map<std::pair<std::size_t, std::size_t>, training::OpenIntegration> pools_;
