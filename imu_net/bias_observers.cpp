@@ -74,17 +74,15 @@ void RestObserver::learn(const BinMean& bin, const Stillness& rest) {
 
 namespace {
 
-constexpr double kFirstTilt = 0.3;        // [rad]
-constexpr double kShapeError = 0.005;     // [1] scale and misalignment of the gyro
-constexpr double kLeastForceNoise = 0.5;  // [m/s^2] acceleration that does not show in |force|
-constexpr double kForceFactor = 2.0;      // acceleration for each unit of | |force| - g |
-constexpr double kCorrelation = 40.0;     // [bins] over which acceleration stays the same
-constexpr double kLeastForce = 0.3;       // [g] below it the direction says nothing
+constexpr double kFirstTilt = 0.3;     // [rad]
+constexpr double kShapeError = 0.005;  // [1] scale and misalignment of the gyro
+constexpr double kForceFactor = 2.0;   // acceleration for each unit of | |force| - g |
+constexpr double kLeastForce = 0.3;    // [g] below it the direction says nothing
 
 }  // namespace
 
-GravityObserver::GravityObserver(const ImuNoise& noise)
-    : noise_(noise), P_(Eigen::Matrix<double, 6, 6>::Zero()) {
+GravityObserver::GravityObserver(const ImuNoise& noise, const Accelerations& accelerations)
+    : noise_(noise), accelerations_(accelerations), P_(Eigen::Matrix<double, 6, 6>::Zero()) {
   P_.diagonal() << Eigen::Vector3d::Constant(squared(kFirstTilt)),
       Eigen::Vector3d::Constant(squared(kGyroBiasSigma));
 }
@@ -125,11 +123,11 @@ void GravityObserver::predict(const Eigen::Vector3d& rate, double dt_s) {
 void GravityObserver::correct(const Eigen::Vector3d& force) {
   const Eigen::Vector3d up = R_level_body_.inverse() * Eigen::Vector3d::UnitZ();
   const double noise =
-      kLeastForceNoise + kForceFactor * std::abs(force.norm() - kGravity);  // [m/s^2]
+      accelerations_.least + kForceFactor * std::abs(force.norm() - kGravity);  // [m/s^2]
   Eigen::Matrix<double, 3, 6> H = Eigen::Matrix<double, 3, 6>::Zero();
   H.leftCols<3>() = lie::skew(up);
   update(H, force.normalized() - up,
-         Eigen::Vector3d::Constant(kCorrelation * squared(noise / kGravity)));
+         Eigen::Vector3d::Constant(accelerations_.correlation * squared(noise / kGravity)));
 }
 
 void GravityObserver::rest(const RestReading& reading) {

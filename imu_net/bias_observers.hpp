@@ -61,7 +61,13 @@ class RestObserver {
 ///   R' = R Exp((w - b) h)       measured: direction of the force = R^T e_z, at rest also b
 class GravityObserver {
  public:
-  explicit GravityObserver(const ImuNoise& noise);
+  /// What accelerations look like. No value suits a hand and a drone, whose thrust hides its tilt.
+  struct Accelerations {
+    double least = 0.5;         ///< [m/s^2] that do not show in |force|
+    double correlation = 40.0;  ///< [bins] for which they last
+  };
+
+  GravityObserver(const ImuNoise& noise, const Accelerations& accelerations);
 
   void add(const ImuBin& bin, double dt_s, const std::optional<RestReading>& rest);
 
@@ -77,6 +83,7 @@ class GravityObserver {
               const Eigen::Vector3d& variance);
 
   ImuNoise noise_;
+  Accelerations accelerations_;
   bool begun_ = false;
   lie::SO3d R_level_body_;
   Eigen::Vector3d bias_ = Eigen::Vector3d::Zero();

@@ -114,13 +114,9 @@ class LossOfLog {
     const ImuBias& sigma = corrections_[static_cast<std::size_t>(bin)].sigma;
     Eigen::Matrix<double, 6, 1> variance;
     variance << sigma.gyro.cwiseAbs2(), sigma.accel.cwiseAbs2();
-    Vector9d floor;
-    floor << Eigen::Vector3d::Constant(task_.truth_rotation),
-        Eigen::Vector3d::Constant(task_.truth_velocity),
-        Eigen::Vector3d::Constant(task_.truth_position);
     const Matrix96d J = bias_jacobian(motion);
-    Matrix9d P = motion.covariance + J * variance.asDiagonal() * J.transpose();
-    P.diagonal() += floor.cwiseAbs2();
+    const Matrix9d P =
+        motion.covariance + J * variance.asDiagonal() * J.transpose() + truth.covariance;
     const Vector9d error = difference(motion, truth);
     const Eigen::LLT<Matrix9d> llt(P);
     if (llt.info() != Eigen::Success) return false;

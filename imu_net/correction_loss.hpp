@@ -14,12 +14,7 @@ struct CorrectionTask {
   const std::vector<ImuSample>* samples = nullptr;
   ImuNoise noise;                         ///< datasheet
   std::vector<std::int64_t> frame_times;  ///< of the frames that the answer belongs to
-  std::vector<ImuMotion> windows;         ///< times, dR, dv, dp of the truth
-
-  /// What the truth itself is uncertain of: added to the covariance of every window.
-  double truth_rotation = 1e-5;  ///< [rad]
-  double truth_velocity = 1e-4;  ///< [m/s]
-  double truth_position = 1e-4;  ///< [m]
+  std::vector<ImuMotion> windows;         ///< times, dR, dv, dp and covariance of the truth
 };
 
 /// x up to 16, then 8 sqrt(x) - 16: one bad window does not rule.
@@ -27,12 +22,11 @@ double robust_square(double x);
 
 /// Mean over the windows of the negative log-likelihood of the true motion, per degree of freedom:
 ///
-///   m = preintegrate(corrected readings)    e = difference(m, truth)     P = Sigma_m + J S J^T +
-///   truth l = (robust(e^T P^-1 e / 9) + log det P / 9) / 2
+///   m = preintegrate(corrected readings)    e = difference(m, truth)    P = Sigma_m + J S J^T + T
+///   l = (robust_square(e^T P^-1 e / 9) + log det P / 9) / 2
 ///
-/// S: the answer's sigmas squared at the window's start; J = dm/dbias; see robust_square().
-/// Windows that begin before the first frame,
-/// or in which a gap is bridged, do not count.
+/// S: the answer's sigmas squared at the window's start; J = dm/dbias; T: the truth's covariance.
+/// Windows that begin before the first frame, or in which a gap is bridged, do not count.
 ///
 /// Backward through the mean and the covariance of the integration, exactly; J is taken as
 /// constant.

@@ -9,6 +9,8 @@
 namespace imslam::imu {
 namespace {
 
+constexpr GravityObserver::Accelerations kLastingAccelerations{0.5, 40.0};
+constexpr GravityObserver::Accelerations kBriefAccelerations{0.3, 8.0};
 constexpr double kGravity = 9.81;          // [m/s^2]
 constexpr double kRecentBins = 50.0;       // over which motion is averaged
 constexpr double kLargestBias = 0.25;      // [rad/s] a candidate beyond it is cut
@@ -34,7 +36,11 @@ class FeatureWriter {
 }  // namespace
 
 FeatureExtractor::FeatureExtractor(const ImuNoise& noise)
-    : noise_(noise), bins_(noise), rest_(noise), gravity_(noise) {}
+    : noise_(noise),
+      bins_(noise),
+      rest_(noise),
+      gravity_(noise, kLastingAccelerations),
+      quick_gravity_(noise, kBriefAccelerations) {}
 
 const std::vector<ImuFrame>& FeatureExtractor::add(const ImuSample& sample) {
   frames_.clear();
@@ -48,6 +54,7 @@ const std::vector<ImuFrame>& FeatureExtractor::add(const ImuSample& sample) {
     last_end_ns_ = bin.end_ns;
     rest_.add(bin, dt_s);
     gravity_.add(bin, dt_s, rest_.reading());
+    quick_gravity_.add(bin, dt_s, rest_.reading());
     mean_.add(bin);
     frames_.push_back(describe(bin, dt_s));
     previous_ = bin;
@@ -58,6 +65,7 @@ const std::vector<ImuFrame>& FeatureExtractor::add(const ImuSample& sample) {
 ImuFrame FeatureExtractor::describe(const ImuBin& bin, double dt_s) {
   const BiasBelief rest = rest_.gyro();
   const BiasBelief gravity = gravity_.gyro();
+  const BiasBelief quick = quick_gravity_.gyro();
   const BiasBelief mean = mean_.gyro();
   const BiasBelief accel = rest_.accel();
   const Eigen::Vector3d rate = bin.rate - rest.bias;
@@ -72,7 +80,7 @@ ImuFrame FeatureExtractor::describe(const ImuBin& bin, double dt_s) {
     return bias.cwiseMax(-largest).cwiseMin(largest).eval();
   };
   frame.gyro_bias = {cut(rest.bias, kLargestBias), cut(gravity.bias, kLargestBias),
-                     cut(mean.bias, kLargestBias)};
+                     cut(quick.bias, kLargestBias), cut(mean.bias, kLargestBias)};
   frame.accel_bias = {cut(accel.bias, kLargestAccelBias)};
   const double root3 = std::sqrt(3.0);
   for (int i = 0; i < 3; ++i) {
@@ -96,13 +104,17 @@ ImuFrame FeatureExtractor::describe(const ImuBin& bin, double dt_s) {
     // What the observers believe, how firmly, and where they differ.
     out.put(decades(rest.sigma[i], 1e-4, 5e-3));
     out.put(decades(gravity.sigma[i], 1e-4, 5e-3));
+    out.put(decades(quick.sigma[i], 1e-4, 5e-3));
     out.put(decades(mean.sigma[i], 1e-4, 2e-2));
     out.put(decades(std::abs(rest.bias[i]), 1e-4, 1e-2));
     out.put(decades(std::abs(gravity.bias[i]), 1e-4, 1e-2));
+    out.put(decades(std::abs(quick.bias[i]), 1e-4, 1e-2));
     out.put(decades(std::abs(mean.bias[i]), 1e-4, 1e-2));
     out.put(decades(std::abs(rest.bias[i] - gravity.bias[i]), 1e-4, 1e-2));
     out.put(decades(std::abs(rest.bias[i] - mean.bias[i]), 1e-4, 1e-2));
+    out.put(decades(std::abs(gravity.bias[i] - quick.bias[i]), 1e-4, 1e-2));
     out.put(decades(std::abs(gravity.bias[i] - mean.bias[i]), 1e-4, 1e-2));
+    out.put(decades(std::abs(quick.bias[i] - mean.bias[i]), 1e-4, 1e-2));
     out.put(decades(accel.sigma[i], 3e-3, 0.1));
     out.put(decades(std::abs(accel.bias[i]), 3e-3, 0.1));
     // Since when, and with which sensor.

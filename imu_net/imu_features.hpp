@@ -17,8 +17,8 @@ namespace imslam::imu {
 /// one network for all axes the answer then follows the sensor however it is mounted. Logarithms of
 /// what varies over decades; all within about -2 and 2.
 struct ImuFrame {
-  static constexpr int kFeatures = 32;
-  static constexpr int kGyroCandidates = 3;   ///< rest, rest and gravity, mean
+  static constexpr int kFeatures = 36;
+  static constexpr int kGyroCandidates = 4;   ///< rest, gravity (two), mean
   static constexpr int kAccelCandidates = 1;  ///< rest
 
   std::int64_t time_ns = 0;  ///< from here on the answer holds
@@ -41,7 +41,8 @@ class FeatureExtractor {
   ImuNoise noise_;
   BinAccumulator bins_;
   RestObserver rest_;
-  GravityObserver gravity_;
+  GravityObserver gravity_;        ///< trusts gravity slowly
+  GravityObserver quick_gravity_;  ///< and quickly
   MeanObserver mean_;
   std::vector<ImuFrame> frames_;
   std::int64_t start_ns_ = 0;

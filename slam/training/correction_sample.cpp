@@ -34,23 +34,13 @@ std::vector<ImuMotion> draw_windows(const InertialLog& log,
     const std::int64_t start_ns = first_ns + to_nanoseconds(place * (span_s - length_s));
     const std::size_t first = state_at(log, start_ns);
     const std::size_t last = state_at(log, start_ns + to_nanoseconds(length_s));
-    if (last >= log.truth.size() || last <= first) continue;
-    windows.push_back(true_motion(log, first, last));
+    if (last >= log.truth.size() || last <= first || jumps_between(log, first, last)) continue;
+    windows.push_back(true_window(log, first, last).motion);
   }
   return windows;
 }
 
 }  // namespace
-
-ImuMotion true_motion(const InertialLog& log, std::size_t first, std::size_t last) {
-  const InertialLog::TrueState& a = log.truth.at(first);
-  const InertialLog::TrueState& b = log.truth.at(last);
-  ImuMotion motion =
-      imu::motion_between(a.nav, b.nav, to_seconds(b.time_ns - a.time_ns), log.gravity_world);
-  motion.time0_ns = a.time_ns;
-  motion.time1_ns = b.time_ns;
-  return motion;
-}
 
 void make_correction_sample(InertialLog log,
                             const WindowDraw& draw,
@@ -81,7 +71,16 @@ InertialLog cropped(const InertialLog& log, double start_s, double length_s) {
   };
   part.samples.erase(std::remove_if(part.samples.begin(), part.samples.end(), outside),
                      part.samples.end());
+  const auto before = static_cast<std::size_t>(
+      std::find_if_not(part.truth.begin(), part.truth.end(),
+                       [&](const auto& state) { return state.time_ns < start_ns; }) -
+      part.truth.begin());
   part.truth.erase(std::remove_if(part.truth.begin(), part.truth.end(), outside), part.truth.end());
+  part.truth_jumps.clear();
+  for (const std::size_t jump : log.truth_jumps) {
+    if (jump > before && jump - before < part.truth.size())
+      part.truth_jumps.push_back(jump - before);
+  }
   return part;
 }
 

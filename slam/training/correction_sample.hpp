@@ -29,9 +29,6 @@ void make_correction_sample(InertialLog log,
                             Random random,
                             CorrectionSample& sample);
 
-/// The true motion between two true states of a log.
-ImuMotion true_motion(const InertialLog& log, std::size_t first, std::size_t last);
-
 /// The part of a log within [start_s, start_s + length_s] of its truth.
 InertialLog cropped(const InertialLog& log, double start_s, double length_s);
 

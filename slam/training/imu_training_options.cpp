@@ -15,9 +15,6 @@ void ImuTrainingOptions::describe(Config& config) {
   config.field("crop_s", crop_s, "length of the part of a real log that one sample uses [s]");
   config.field("sensor_offset", sensor_offset,
                "also learn the constant offset of the one sensor that made the logs");
-  config.field("truth_rotation", truth_rotation, "uncertainty of the truth of real logs [rad]");
-  config.field("truth_velocity", truth_velocity, "likewise [m/s]");
-  config.field("truth_position", truth_position, "likewise [m]");
   config.section("simulation", simulation);
 }
 
@@ -27,9 +24,6 @@ void ImuTrainingOptions::validate() const {
   require_within("train.least_window_s", least_window_s, 0.05, 60.0);
   require_within("train.most_window_s", most_window_s, least_window_s, 60.0);
   require_within("train.crop_s", crop_s, 2.0, 1e4);
-  require_within("train.truth_rotation", truth_rotation, 1e-7, 1.0);
-  require_within("train.truth_velocity", truth_velocity, 1e-7, 10.0);
-  require_within("train.truth_position", truth_position, 1e-7, 10.0);
   simulation.validate();
 }
 

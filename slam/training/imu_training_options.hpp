@@ -27,10 +27,6 @@ struct ImuTrainingOptions : TrainingOptions {
   double crop_s = 60.0;         ///< [s] of a real log per sample
   bool sensor_offset = false;   ///< learn the constant offset of one individual sensor
 
-  double truth_rotation = 3e-4;  ///< [rad] what the truth of real logs is uncertain of
-  double truth_velocity = 0.01;  ///< [m/s]
-  double truth_position = 2e-3;  ///< [m]
-
   InertialLogOptions simulation;
 
   void describe(Config& config);

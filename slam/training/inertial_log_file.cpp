@@ -161,6 +161,8 @@ InertialLogReading read_inertial_log(const fs::path& path, const InertialLogFile
   log.name = raw.name;
   log.noise = raw.noise;
   log.gravity_world = reading.gravity.gravity_world;
+  log.truth_sigma = options.truth;
+  if (log.truth_sigma.velocity == 0.0) log.truth_sigma.velocity = reading.velocity.sigma;
   auto jump = jumps.begin();
   for (std::size_t i = 0; i < poses.size(); ++i) {
     if (!reading.velocity.known[i]) continue;

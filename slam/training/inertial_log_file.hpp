@@ -12,6 +12,10 @@ struct InertialLogFileOptions {
   /// p_cam0 = T p_imu, for truth of a camera; empty: PATH/NAME_T_cam0_imu.txt or
   /// PATH/T_cam0_imu.txt.
   std::filesystem::path T_cam0_imu;
+
+  /// What the truth of a real log is uncertain of; velocity 0: what its fit or check has found.
+  /// Trackers do not state it: a twentieth of a degree and a millimetre are good ones.
+  TruthSigma truth{1e-3, 5e-4, 0.0, 1e-3};
 };
 
 /// A log and what had to be found out about its truth.

@@ -26,19 +26,6 @@ std::vector<std::int64_t> stamps(const InertialLog& log) {
   return times_ns;
 }
 
-IntegrationWindow true_window(const InertialLog& log, std::size_t first, std::size_t last) {
-  const auto& a = log.truth[first];
-  const auto& b = log.truth[last];
-  IntegrationWindow window;
-  window.first = first;
-  window.last = last;
-  window.motion =
-      imu::motion_between(a.nav, b.nav, to_seconds(b.time_ns - a.time_ns), log.gravity_world);
-  window.motion.time0_ns = a.time_ns;
-  window.motion.time1_ns = b.time_ns;
-  return window;
-}
-
 /// The sigma that holds at `time_ns`; before the first one: that one.
 Vector6 bias_sigma_at(const std::vector<imu::StampedBiasSigma>& sigmas, std::int64_t time_ns) {
   if (sigmas.empty()) return Vector6::Zero();
@@ -58,7 +45,7 @@ WindowError compare(const ImuMotion& motion,
   Eigen::Matrix<double, 9, 6> J;
   J << motion.J_dR_bias, motion.J_dv_bias, motion.J_dp_bias;
   const Eigen::Matrix<double, 9, 6> spread = J * bias_sigma.asDiagonal();
-  error.covariance = motion.covariance + spread * spread.transpose();
+  error.covariance = motion.covariance + spread * spread.transpose() + window.motion.covariance;
   return error;
 }
 

@@ -36,7 +36,7 @@ std::vector<IntegrationWindow> integration_windows(const InertialLog& log,
 struct WindowError {
   std::size_t first = 0;                   ///< index of the true state it begins with
   Eigen::Matrix<double, 9, 1> difference;  ///< imu::difference() to the truth [rad, m/s, m]
-  /// Of the readings, and of the bias at the start: S = C + J diag(sigma)^2 J^T.
+  /// Of the readings, of the bias at the start, of the truth: S = C + J diag(sigma)^2 J^T + T.
   Eigen::Matrix<double, 9, 9> covariance;
 
   double nees() const;                     ///< d^T S^-1 d, 9 dof
@@ -49,8 +49,7 @@ struct OpenIntegration {
   std::size_t degraded = 0;  ///< windows over gaps or saturation: left out
 };
 
-/// Integrates all windows of a log as corrected. The covariance is judged as it is: errors of the
-/// truth count as the method's.
+/// Integrates all windows of a log as corrected.
 OpenIntegration integrate_open(const InertialLog& log,
                                const InertialCorrection& correction,
                                const OpenIntegrationOptions& options);

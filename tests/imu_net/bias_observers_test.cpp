@@ -65,7 +65,7 @@ TEST(RestObserver, FindsTheAccelerometersBiasAlongGravityOnly) {
 
 /// A body that tips to and fro about all axes without acceleration.
 TEST(GravityObserver, FindsTheBiasFromWhereUpIs) {
-  GravityObserver observer{ImuNoise{}};
+  GravityObserver observer{ImuNoise{}, {}};
   lie::SO3d R_world_body;
   for (int i = 0; i < 900; ++i) {
     const double t = 0.1 * i;
@@ -81,7 +81,7 @@ TEST(GravityObserver, FindsTheBiasFromWhereUpIs) {
 }
 
 TEST(GravityObserver, StartsFromWhatRestHasShown) {
-  GravityObserver observer{ImuNoise{}};
+  GravityObserver observer{ImuNoise{}, {}};
   const RestReading rest{kGyroBias, Eigen::Vector3d::Constant(1e-6)};
   for (int i = 0; i < 20; ++i) observer.add(bin_of(kGyroBias, {0.0, 0.0, 9.81}), 0.1, rest);
   expect_near(observer.gyro().bias, kGyroBias, 1e-3);
@@ -89,7 +89,7 @@ TEST(GravityObserver, StartsFromWhatRestHasShown) {
 }
 
 TEST(GravityObserver, SaysThatItCannotSeeATurnAboutTheVertical) {
-  GravityObserver observer{ImuNoise{}};
+  GravityObserver observer{ImuNoise{}, {}};
   for (int i = 0; i < 900; ++i) {
     observer.add(bin_of(kGyroBias, {0.0, 0.0, 9.81}), 0.1, std::nullopt);
   }

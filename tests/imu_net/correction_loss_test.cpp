@@ -17,14 +17,14 @@ using nn::Index;
 using nn::Tensor;
 using nn::Var;
 
-constexpr Index kBins = 30;
+constexpr Index kBins = 20;
 constexpr Index kCount = 6 * kBins;
 
-/// Three seconds of a swaying sensor with windows of several lengths.
+/// Two seconds of a swaying sensor with windows of several lengths.
 struct Fixture {
   Fixture() {
     const testing::SineMotion motion;
-    samples = motion.samples(0.0, 3.2, 100.0);
+    samples = motion.samples(0.0, 2.3, 100.0);
     Random random(2);
     noise.rate_hz = 100.0;
     testing::disturb(samples, {{0.01, -0.02, 0.005}, {0.05, 0.1, -0.1}}, noise, random);
@@ -33,11 +33,12 @@ struct Fixture {
     for (Index k = 0; k < kBins; ++k) {
       task.frame_times.push_back(testing::stamp(0.1 * static_cast<double>(k + 1)));
     }
-    for (const auto& [t0, t1] : {std::pair(0.25, 0.45), std::pair(0.9, 2.9), std::pair(1.5, 2.0),
+    for (const auto& [t0, t1] : {std::pair(0.25, 0.45), std::pair(0.9, 2.1), std::pair(1.5, 2.0),
                                  std::pair(0.05, 1.0)}) {  // the last begins before the first frame
       ImuMotion window = motion.truth(t0, t1);
       window.time0_ns = testing::stamp(t0);
       window.time1_ns = testing::stamp(t1);
+      window.covariance *= 1e-8;
       task.windows.push_back(window);
     }
   }
