@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -24,7 +25,8 @@ void write_log(const TempDir& dir, const std::string& name) {
   std::string truth = "# time_s tx ty tz qx qy qz qw\n";
   for (int i = 0; i <= 1200; ++i) {
     const double angle = kTurn * 0.01 * i;
-    imu += fmt::format("{},0,0,{},0,{},9.81\n", i * 10'000'000, kTurn, kTurn * kTurn * kRadius);
+    imu += fmt::format("{},0,0,{},0,{},9.81\n", i * std::int64_t{10'000'000}, kTurn,
+                       kTurn * kTurn * kRadius);
     truth += fmt::format("{:.3f} {} {} 0 0 0 {} {}\n", 0.01 * i, kRadius * std::sin(angle),
                          -kRadius * std::cos(angle), std::sin(angle / 2.0), std::cos(angle / 2.0));
   }
@@ -67,7 +69,7 @@ TEST_F(ImuCommand, WritesTheTableAsCsvAndJson) {
   EXPECT_EQ(json[0]["log"], "ride");
   ASSERT_EQ(json[0]["rows"].size(), 6U);
   EXPECT_EQ(json[0]["rows"][0]["method"], "raw");
-  EXPECT_EQ(json[0]["rows"][0]["windows"], 11);
+  EXPECT_EQ(json[0]["rows"][0]["windows"], 12);
   EXPECT_LT(json[0]["rows"][0]["position_rms_m"], 1e-3);
   EXPECT_EQ(imu(arguments).exit_code, 6);  // not overwritten
   EXPECT_EQ(imu(arguments + " --force").exit_code, 0);
