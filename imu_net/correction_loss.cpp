@@ -138,12 +138,12 @@ class LossOfLog {
       out.log_sigma[place(axis, bin, 0)] += 2.0 * variance[axis] * d_variance[axis];
       out.log_sigma[place(axis, bin, 1)] += 2.0 * variance[3 + axis] * d_variance[3 + axis];
     }
-    send_back(around, dL, out);
+    send_back(around, dL, truth.dt_s <= task_.longest_noise_window_s, out);
     return true;
   }
 
   /// From the integrated motion to the answers that went into it.
-  void send_back(ImuRange around, const MotionGradient& dL, AnswerGradient out) {
+  void send_back(ImuRange around, const MotionGradient& dL, bool with_noise, AnswerGradient out) {
     gradients_.assign(around.size(), SampleGradient());
     add_preintegration_gradient(record_, dL, gradients_.data());
     const auto first = static_cast<std::size_t>(around.begin() - samples_.data());
@@ -157,6 +157,7 @@ class LossOfLog {
         const Index accel = place(axis, bin, 1);
         out.offset[gyro] -= g.angular_velocity[axis];
         out.offset[accel] -= g.linear_acceleration[axis];
+        if (!with_noise) continue;
         out.noise[gyro] += 2.0 * said.gyro_variance[axis] * g.gyro_variance[axis];
         out.noise[accel] += 2.0 * said.accel_variance[axis] * g.accel_variance[axis];
       }

@@ -15,6 +15,9 @@ struct CorrectionTask {
   ImuNoise noise;                         ///< datasheet
   std::vector<std::int64_t> frame_times;  ///< of the frames that the answer belongs to
   std::vector<ImuMotion> windows;         ///< times, dR, dv, dp and covariance of the truth
+  /// [s] Longer windows do not teach the noise: over them errors of scale look like noise that the
+  /// graph's edges, much shorter, do not have.
+  double longest_noise_window_s = 1e9;
 };
 
 /// x up to 16, then 8 sqrt(x) - 16: one bad window does not rule.

@@ -114,6 +114,16 @@ TEST(CorrectionLoss, GradientOfOffsetsMatchesDifferences) {
               numeric_gradient(fixture, numbers).head(kCount), 1e-6);
 }
 
+TEST(CorrectionLoss, LongWindowsDoNotTeachTheNoise) {
+  Fixture fixture;
+  fixture.task.windows = {fixture.task.windows[1]};
+  fixture.task.longest_noise_window_s = 0.5;
+  const Eigen::VectorXd gradient = gradient_of(fixture, some_answer());
+  EXPECT_GT(gradient.head(kCount).norm(), 0.0);
+  EXPECT_EQ(gradient.segment(kCount, kCount).norm(), 0.0);
+  EXPECT_GT(gradient.tail(kCount).norm(), 0.0);
+}
+
 TEST(CorrectionLoss, IsLeastWhereTheSigmasAreRight) {
   Fixture fixture;
   fixture.task.windows.pop_back();

@@ -41,6 +41,28 @@ TEST(EstimateBatch, StandsUprightAtTheOrigin) {
   EXPECT_LT((up - up_truth).norm(), 2e-3);
 }
 
+/// Perfect vision, an accelerometer with a bias, and what a correction believes about it.
+BatchEstimate with_belief(double bias, double believed, double sigma) {
+  const SineWorld world;
+  Measurements measurements = world.measure();
+  for (ImuSample& sample : measurements.imu) sample.linear_acceleration.y() += bias;
+  measurements.bias_beliefs.push_back({4, measurements.times_ns[10], believed, sigma});
+  return estimate_batch(measurements, {}, {});
+}
+
+double accel_bias_y(const BatchEstimate& estimate) {
+  return estimate.graph.states[10].bias.accel.y();
+}
+
+TEST(EstimateBatch, AFirmBeliefAboutABiasIsKept) {
+  EXPECT_NEAR(accel_bias_y(with_belief(0.15, 0.15, 1e-4)), 0.15, 1e-3);
+  EXPECT_NEAR(accel_bias_y(with_belief(0.15, 0.18, 1e-5)), 0.18, 1e-3);
+}
+
+TEST(EstimateBatch, AWrongBeliefThatDoubtsItselfIsOverruled) {
+  EXPECT_NEAR(accel_bias_y(with_belief(0.15, -0.3, 0.5)), 0.15, 2e-2);
+}
+
 TEST(EstimateBatch, FindsBiasesAndTheTimeOffset) {
   SineWorld world;
   world.time_offset_s = 0.008;

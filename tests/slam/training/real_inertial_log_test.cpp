@@ -56,7 +56,8 @@ TEST(RealInertialLog, EurocLogsAreReadAndTheGraphKnowsTheirBias) {
     EXPECT_LT(graph.velocity_rms, bound.velocity) << bound.name;
     EXPECT_LT(graph.position_rms, bound.position) << bound.name;
     EXPECT_LT(graph.position_rms, rest.position_rms) << bound.name;
-    EXPECT_GT(graph.nees, 10.0) << "the datasheet's noise became honest: " << bound.name;
+    EXPECT_LT(graph.nees, 12.0) << bound.name;  // not 1: the datasheet knows no vibration
+    EXPECT_GT(raw.nees, 1000.0) << bound.name;
   }
 }
 
