@@ -22,6 +22,7 @@ constexpr double kRobust = 16.0;  // [1] of e^T P^-1 e / 9
 struct AnswerGradient {
   double* offset;
   double* noise;
+  double* edge_noise;
   double* log_sigma;
 };
 
@@ -51,7 +52,7 @@ class LossOfLog {
     int count = 0;
     for (const ImuMotion& window : task_.windows) count += add_window(window, out, sum) ? 1 : 0;
     if (count == 0) return 0.0;
-    for (double* const part : {out.offset, out.noise, out.log_sigma}) {
+    for (double* const part : {out.offset, out.noise, out.edge_noise, out.log_sigma}) {
       for (Index i = 0; i < 6 * bins_; ++i) part[i] /= count;
     }
     return sum / count;
@@ -72,14 +73,17 @@ class LossOfLog {
     for (int axis = 0; axis < 3; ++axis) {
       const Index gyro = place(axis, bin, 0);
       const Index accel = place(axis, bin, 1);
-      const double gyro_density =
-          task_.noise.gyro_noise_density * std::exp(number(answer_.noise, gyro));
-      const double accel_density =
-          task_.noise.accel_noise_density * std::exp(number(answer_.noise, accel));
+      const auto variance = [](double density, double log_ratio) {
+        return density * density * std::exp(2.0 * log_ratio);
+      };
+      const double gyro_density = task_.noise.gyro_noise_density;
+      const double accel_density = task_.noise.accel_noise_density;
       said.offset.gyro[axis] = number(answer_.offset, gyro);
       said.offset.accel[axis] = number(answer_.offset, accel);
-      said.gyro_variance[axis] = gyro_density * gyro_density;
-      said.accel_variance[axis] = accel_density * accel_density;
+      said.noise.gyro[axis] = variance(gyro_density, number(answer_.noise, gyro));
+      said.noise.accel[axis] = variance(accel_density, number(answer_.noise, accel));
+      said.edge_noise.gyro[axis] = variance(gyro_density, number(answer_.edge_noise, gyro));
+      said.edge_noise.accel[axis] = variance(accel_density, number(answer_.edge_noise, accel));
       said.sigma.gyro[axis] = std::exp(number(answer_.log_sigma, gyro));
       said.sigma.accel[axis] = std::exp(number(answer_.log_sigma, accel));
     }
@@ -97,16 +101,22 @@ class LossOfLog {
         ++bin;
       }
       bin_of_sample_.push_back(bin);
-      samples_.push_back(
-          bin < 0 ? sample
-                  : corrected(sample, corrections_[static_cast<std::size_t>(bin)], task_.noise));
+      samples_.push_back(sample);
+      edge_samples_.push_back(sample);
+      if (bin < 0) continue;
+      ImuCorrection said = corrections_[static_cast<std::size_t>(bin)];
+      samples_.back() = corrected(sample, said, task_.noise);
+      said.noise = said.edge_noise;
+      edge_samples_.back() = corrected(sample, said, task_.noise);
     }
   }
 
   bool add_window(const ImuMotion& truth, AnswerGradient out, double& sum) {
     const Index bin = bin_at(truth.time0_ns);
     if (bin < 0) return false;
-    const ImuRange around = ImuRange(samples_).around(truth.time0_ns, truth.time1_ns);
+    const bool edge = truth.dt_s <= ImuNetwork<S>::kLongestEdge_s;
+    const std::vector<ImuSample>& samples = edge ? edge_samples_ : samples_;
+    const ImuRange around = ImuRange(samples).around(truth.time0_ns, truth.time1_ns);
     const ImuMotion motion = preintegrate(around, truth.time0_ns, truth.time1_ns, ImuBias(),
                                           task_.noise, 0.0, {}, &record_);
     if (!motion.valid || motion.degraded) return false;
@@ -138,28 +148,30 @@ class LossOfLog {
       out.log_sigma[place(axis, bin, 0)] += 2.0 * variance[axis] * d_variance[axis];
       out.log_sigma[place(axis, bin, 1)] += 2.0 * variance[3 + axis] * d_variance[3 + axis];
     }
-    send_back(around, dL, truth.dt_s <= task_.longest_noise_window_s, out);
+    send_back(around, static_cast<std::size_t>(around.begin() - samples.data()), edge, dL, out);
     return true;
   }
 
-  /// From the integrated motion to the answers that went into it.
-  void send_back(ImuRange around, const MotionGradient& dL, bool with_noise, AnswerGradient out) {
+  /// From the integrated motion to the answers that went into it; `first`: index of its first
+  /// sample.
+  void send_back(
+      ImuRange around, std::size_t first, bool edge, const MotionGradient& dL, AnswerGradient out) {
     gradients_.assign(around.size(), SampleGradient());
     add_preintegration_gradient(record_, dL, gradients_.data());
-    const auto first = static_cast<std::size_t>(around.begin() - samples_.data());
+    double* const noise_out = edge ? out.edge_noise : out.noise;
     for (std::size_t i = 0; i < around.size(); ++i) {
       const Index bin = bin_of_sample_[first + i];
       if (bin < 0) continue;
       const ImuCorrection& said = corrections_[static_cast<std::size_t>(bin)];
+      const ImuNoiseVariance& noise = edge ? said.edge_noise : said.noise;
       const SampleGradient& g = gradients_[i];
       for (int axis = 0; axis < 3; ++axis) {
         const Index gyro = place(axis, bin, 0);
         const Index accel = place(axis, bin, 1);
         out.offset[gyro] -= g.angular_velocity[axis];
         out.offset[accel] -= g.linear_acceleration[axis];
-        if (!with_noise) continue;
-        out.noise[gyro] += 2.0 * said.gyro_variance[axis] * g.gyro_variance[axis];
-        out.noise[accel] += 2.0 * said.accel_variance[axis] * g.accel_variance[axis];
+        noise_out[gyro] += 2.0 * noise.gyro[axis] * g.gyro_variance[axis];
+        noise_out[accel] += 2.0 * noise.accel[axis] * g.accel_variance[axis];
       }
     }
   }
@@ -169,7 +181,8 @@ class LossOfLog {
   const CorrectionTask& task_;
   Index bins_;
   std::vector<ImuCorrection> corrections_;
-  std::vector<ImuSample> samples_;
+  std::vector<ImuSample> samples_;       ///< corrected, with the noise over seconds
+  std::vector<ImuSample> edge_samples_;  ///< corrected, with that of short edges
   std::vector<Index> bin_of_sample_;
   PreintegrationRecord record_;  ///< of the present window
   std::vector<SampleGradient> gradients_;
@@ -187,21 +200,23 @@ Var correction_loss(nn::Tape<S>& tape, const ImuAnswer& answer, const Correction
     std::fill_n(numbers, count, 0.0);
     return numbers;
   };
-  const AnswerGradient gradient{zeros(), zeros(), zeros()};
+  const AnswerGradient gradient{zeros(), zeros(), zeros(), zeros()};
   const Var y = tape.make({});
   tape.data(y)[0] = static_cast<S>(LossOfLog<S>(tape, answer, task).run(gradient));
   const ImuAnswer inputs = answer;
-  return tape.record(y, {answer.offset, answer.noise, answer.log_sigma}, [=](nn::Tape<S>& t) {
-    const double dy = static_cast<double>(t.gradient_data(y)[0]);
-    const auto send = [&](Var v, const double* numbers) {
-      if (!t.wants_gradient(v)) return;
-      S* const to = t.gradient_data(v);
-      for (Index i = 0; i < count; ++i) to[i] += static_cast<S>(dy * numbers[i]);
-    };
-    send(inputs.offset, gradient.offset);
-    send(inputs.noise, gradient.noise);
-    send(inputs.log_sigma, gradient.log_sigma);
-  });
+  return tape.record(y, {answer.offset, answer.noise, answer.edge_noise, answer.log_sigma},
+                     [=](nn::Tape<S>& t) {
+                       const double dy = static_cast<double>(t.gradient_data(y)[0]);
+                       const auto send = [&](Var v, const double* numbers) {
+                         if (!t.wants_gradient(v)) return;
+                         S* const to = t.gradient_data(v);
+                         for (Index i = 0; i < count; ++i) to[i] += static_cast<S>(dy * numbers[i]);
+                       };
+                       send(inputs.offset, gradient.offset);
+                       send(inputs.noise, gradient.noise);
+                       send(inputs.edge_noise, gradient.edge_noise);
+                       send(inputs.log_sigma, gradient.log_sigma);
+                     });
 }
 
 template Var correction_loss(nn::Tape<float>&, const ImuAnswer&, const CorrectionTask&);

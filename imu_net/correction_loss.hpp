@@ -15,9 +15,6 @@ struct CorrectionTask {
   ImuNoise noise;                         ///< datasheet
   std::vector<std::int64_t> frame_times;  ///< of the frames that the answer belongs to
   std::vector<ImuMotion> windows;         ///< times, dR, dv, dp and covariance of the truth
-  /// [s] Longer windows do not teach the noise: over them errors of scale look like noise that the
-  /// graph's edges, much shorter, do not have.
-  double longest_noise_window_s = 1e9;
 };
 
 /// x up to 16, then 8 sqrt(x) - 16: one bad window does not rule.
@@ -29,6 +26,7 @@ double robust_square(double x);
 ///   l = (robust_square(e^T P^-1 e / 9) + log det P / 9) / 2
 ///
 /// S: the answer's sigmas squared at the window's start; J = dm/dbias; T: the truth's covariance.
+/// Windows up to kLongestEdge_s have the answer's edge noise, longer ones its noise over seconds.
 /// Windows that begin before the first frame, or in which a gap is bridged, do not count.
 ///
 /// Backward through the mean and the covariance of the integration, exactly; J is taken as

@@ -19,6 +19,11 @@ double number(const nn::Tape<float>& tape, nn::Var v, int axis, int channel) {
   return static_cast<double>(tape.data(v)[2 * axis + channel]);
 }
 
+/// Of the noise that is added, e^log_ratio times as dense as the datasheet's.
+double variance(double density, double log_ratio) {
+  return density * density * std::exp(2.0 * log_ratio);
+}
+
 }  // namespace
 
 ImuSample corrected(const ImuSample& sample,
@@ -28,8 +33,8 @@ ImuSample corrected(const ImuSample& sample,
   ImuSample result = sample;
   result.angular_velocity -= correction.offset.gyro;
   result.linear_acceleration -= correction.offset.accel;
-  result.gyro_variance += correction.gyro_variance;
-  result.accel_variance += correction.accel_variance;
+  result.gyro_variance += correction.noise.gyro;
+  result.accel_variance += correction.noise.accel;
   return result;
 }
 
@@ -64,12 +69,14 @@ void ImuCorrector::look(const ImuFrame& frame) {
   correction_.time_ns = frame.time_ns;
   for (int axis = 0; axis < 3; ++axis) {
     const auto of = [&](nn::Var v, int sensor) { return number(tape_, v, axis, sensor); };
-    const double gyro_added = noise_.gyro_noise_density * std::exp(of(answer.noise, 0));
-    const double accel_added = noise_.accel_noise_density * std::exp(of(answer.noise, 1));
     correction_.offset.gyro[axis] = of(answer.offset, 0);
     correction_.offset.accel[axis] = of(answer.offset, 1);
-    correction_.gyro_variance[axis] = gyro_added * gyro_added;
-    correction_.accel_variance[axis] = accel_added * accel_added;
+    correction_.noise.gyro[axis] = variance(noise_.gyro_noise_density, of(answer.noise, 0));
+    correction_.noise.accel[axis] = variance(noise_.accel_noise_density, of(answer.noise, 1));
+    correction_.edge_noise.gyro[axis] =
+        variance(noise_.gyro_noise_density, of(answer.edge_noise, 0));
+    correction_.edge_noise.accel[axis] =
+        variance(noise_.accel_noise_density, of(answer.edge_noise, 1));
     correction_.sigma.gyro[axis] = std::exp(of(answer.log_sigma, 0));
     correction_.sigma.accel[axis] = std::exp(of(answer.log_sigma, 1));
   }

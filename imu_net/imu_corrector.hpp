@@ -10,17 +10,24 @@
 
 namespace imslam::imu {
 
+/// White noise as densities squared, axis by axis; see ImuSample.
+struct ImuNoiseVariance {
+  Eigen::Vector3d gyro = Eigen::Vector3d::Zero();   ///< [(rad/s)^2/Hz]
+  Eigen::Vector3d accel = Eigen::Vector3d::Zero();  ///< [(m/s^2)^2/Hz]
+};
+
 /// What the network last said, in numbers; holds from `time_ns` on.
 struct ImuCorrection {
   std::int64_t time_ns = 0;
-  ImuBias offset;                                            ///< to be subtracted
-  Eigen::Vector3d gyro_variance = Eigen::Vector3d::Zero();   ///< see ImuSample
-  Eigen::Vector3d accel_variance = Eigen::Vector3d::Zero();  ///< see ImuSample
-  ImuBias sigma;                                             ///< how wrong the offset may still be
+  ImuBias offset;               ///< to be subtracted
+  ImuNoiseVariance noise;       ///< to be added, for integrations over seconds
+  ImuNoiseVariance edge_noise;  ///< likewise, for the short edges of a graph
+  ImuBias sigma;                ///< how wrong the offset may still be
 };
 
-/// The reading with the correction applied. One that is broken or at the limit of the range is
-/// returned as it is, so that preintegration still sees it for what it is.
+/// The reading with the offset subtracted and the noise over seconds added. One that is broken or
+/// at the limit of the range is returned as it is, so that preintegration still sees it for what it
+/// is.
 ImuSample corrected(const ImuSample& sample,
                     const ImuCorrection& correction,
                     const ImuNoise& noise);

@@ -23,7 +23,7 @@ constexpr double kSigmaReach = 6.0;
 
 constexpr int kGyro = ImuFrame::kGyroCandidates;
 constexpr int kAccel = ImuFrame::kAccelCandidates;
-constexpr int kOutputs = kGyro + kAccel + 4;
+constexpr int kOutputs = kGyro + kAccel + 6;
 
 template <typename S>
 nn::Conv1d<S> convolution(int inputs, int outputs, int kernel, int dilation, Random& random) {
@@ -83,8 +83,12 @@ ImuAnswer ImuNetwork<S>::forward(nn::Tape<S>& tape,
                           blend(tape, part(kGyro, kAccel), tape.constant(frames.accel_bias),
                                 constant_of(1), kLargestOffset[1])},
                          -1);
-  answer.noise = shift(tape, within(tape, part(kGyro + kAccel, 2), kNoiseReach), kFirstNoise);
-  const Var sigma = within(tape, part(kGyro + kAccel + 2, 2), kSigmaReach);
+  const auto noise = [&](Index start) {
+    return shift(tape, within(tape, part(start, 2), kNoiseReach), kFirstNoise);
+  };
+  answer.noise = noise(kGyro + kAccel);
+  answer.edge_noise = noise(kGyro + kAccel + 2);
+  const Var sigma = within(tape, part(kGyro + kAccel + 4, 2), kSigmaReach);
   answer.log_sigma = concat(tape,
                             {shift(tape, slice(tape, sigma, -1, 0, 1), kFirstLogSigma[0]),
                              shift(tape, slice(tape, sigma, -1, 1, 1), kFirstLogSigma[1])},

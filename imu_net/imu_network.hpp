@@ -48,10 +48,11 @@ ImuFrameTensors<S> frame_tensors(const std::vector<ImuFrame>& frames);
 
 /// What the network says for each axis and bin.
 struct ImuAnswer {
-  nn::Var offset;     ///< [3, T, 2] of gyro, accelerometer: to be subtracted [rad/s], [m/s^2]
-  nn::Var noise;      ///< [3, T, 2] log of the added density over the datasheet's
-  nn::Var log_sigma;  ///< [3, T, 2] log of how wrong the bias may still be [rad/s], [m/s^2]
-  nn::Var state;      ///< [3, hidden] to go on with
+  nn::Var offset;      ///< [3, T, 2] of gyro, accelerometer: to be subtracted [rad/s], [m/s^2]
+  nn::Var noise;       ///< [3, T, 2] log of the added density over the datasheet's, over seconds
+  nn::Var edge_noise;  ///< [3, T, 2] the same over the short edges of a graph, see kLongestEdge_s
+  nn::Var log_sigma;   ///< [3, T, 2] log of how wrong the bias may still be [rad/s], [m/s^2]
+  nn::Var state;       ///< [3, hidden] to go on with
 };
 
 /// Corrections of an inertial sensor from its own readings: which of the observers' biases to
@@ -61,11 +62,14 @@ struct ImuAnswer {
 ///   offset = B tanh((o + sum_k a_k (c_k - o)) / B),   |a_k| < 2,   c_k candidates,   o constant
 ///   noise = -4 + n within (-13, 5)          log sigma = log sigma_0 + s
 ///
-/// The last layer starts at zero and so does o: an untrained network subtracts nothing. o is the
-/// only part that knows one sensor from another: it stays zero unless trained on logs of one.
+/// Over seconds errors of scale and alignment look like noise that short integrations do not have:
+/// hence two noises. The last layer starts at zero and so does o: an untrained network subtracts
+/// nothing. o is the only part that knows one sensor from another: it stays zero unless trained on
+/// logs of one.
 template <typename S>
 struct ImuNetwork {
-  static constexpr int kContext = 10;  ///< [bins] that the convolutions look back
+  static constexpr double kLongestEdge_s = 0.5;  ///< [s] integrations up to it have edge_noise
+  static constexpr int kContext = 10;            ///< [bins] that the convolutions look back
   static constexpr double kLargestOffset[2] = {0.3, 1.0};  ///< [rad/s], [m/s^2]
 
   ImuNetwork(const ImuNetworkSizes& sizes, Random& random);

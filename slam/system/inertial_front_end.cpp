@@ -3,14 +3,13 @@
 namespace imslam::system {
 
 ImuSample InertialFrontEnd::add(const ImuSample& sample) {
-  const imu::ImuCorrection* const before = corrector_.correction();
-  const std::int64_t said_ns = before != nullptr ? before->time_ns : 0;
-  const ImuSample corrected = corrector_.correct(sample);
+  corrector_.correct(sample);
   const imu::ImuCorrection* const said = corrector_.correction();
-  if (said != nullptr && (before == nullptr || said->time_ns != said_ns)) believe(*said);
+  if (said == nullptr) return sample;
+  if (beliefs_.empty() || said->time_ns != believed_ns_) believe(*said);
   ImuSample result = sample;
-  result.gyro_variance = corrected.gyro_variance;
-  result.accel_variance = corrected.accel_variance;
+  result.gyro_variance = said->edge_noise.gyro;
+  result.accel_variance = said->edge_noise.accel;
   return result;
 }
 
@@ -20,6 +19,7 @@ ImuBias InertialFrontEnd::bias() const {
 }
 
 void InertialFrontEnd::believe(const imu::ImuCorrection& said) {
+  believed_ns_ = said.time_ns;
   const bool first = beliefs_.empty();
   if (first) beliefs_.resize(6);
   for (int axis = 0; axis < 6; ++axis) {

@@ -32,6 +32,7 @@ class InertialFrontEnd {
 
   imu::ImuCorrector corrector_;
   std::vector<BiasBelief> beliefs_;
+  std::int64_t believed_ns_ = 0;  ///< time of the correction that was looked at last
 };
 
 }  // namespace imslam::system

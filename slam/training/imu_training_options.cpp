@@ -12,8 +12,6 @@ void ImuTrainingOptions::describe(Config& config) {
   config.field("windows", windows, "stretches that are integrated per log and step");
   config.field("least_window_s", least_window_s, "shortest stretch [s]");
   config.field("most_window_s", most_window_s, "longest stretch [s]");
-  config.field("noise_window_s", noise_window_s,
-               "longest stretch that teaches the noise: about that of the graph's edges [s]");
   config.field("crop_s", crop_s, "length of the part of a real log that one sample uses [s]");
   config.field("sensor_offset", sensor_offset,
                "also learn the constant offset of the one sensor that made the logs");
@@ -25,7 +23,6 @@ void ImuTrainingOptions::validate() const {
   require_within("train.windows", windows, 1, 1000);
   require_within("train.least_window_s", least_window_s, 0.05, 60.0);
   require_within("train.most_window_s", most_window_s, least_window_s, 60.0);
-  require_within("train.noise_window_s", noise_window_s, 0.0, 60.0);
   require_within("train.crop_s", crop_s, 2.0, 1e4);
   simulation.validate();
 }

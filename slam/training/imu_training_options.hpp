@@ -24,7 +24,6 @@ struct ImuTrainingOptions : TrainingOptions {
   int windows = 12;             ///< integrated per log and step
   double least_window_s = 0.1;  ///< [s]
   double most_window_s = 10.0;  ///< [s]
-  double noise_window_s = 0.5;  ///< [s] longer stretches do not teach the noise
   double crop_s = 60.0;         ///< [s] of a real log per sample
   bool sensor_offset = false;   ///< learn the constant offset of one individual sensor
 

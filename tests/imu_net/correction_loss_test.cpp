@@ -43,7 +43,7 @@ struct Fixture {
     }
   }
 
-  /// The loss for numbers of the answer [offset noise log_sigma]; their gradient, if wanted.
+  /// The loss for numbers of the answer [offset, noise, edge noise, log sigma], and their gradient.
   double loss(const Eigen::VectorXd& numbers, Eigen::VectorXd* gradient = nullptr) const {
     nn::Tape<double> tape;
     const auto input = [&](Index start) {
@@ -54,13 +54,14 @@ struct Fixture {
     ImuAnswer answer;
     answer.offset = input(0);
     answer.noise = input(kCount);
-    answer.log_sigma = input(2 * kCount);
+    answer.edge_noise = input(2 * kCount);
+    answer.log_sigma = input(3 * kCount);
     const Var y = correction_loss(tape, answer, task);
     if (gradient != nullptr) {
       tape.backward(y);
-      gradient->resize(3 * kCount);
+      gradient->resize(4 * kCount);
       Index place = 0;
-      for (const Var v : {answer.offset, answer.noise, answer.log_sigma}) {
+      for (const Var v : {answer.offset, answer.noise, answer.edge_noise, answer.log_sigma}) {
         for (Index i = 0; i < kCount; ++i) (*gradient)[place++] = tape.gradient_data(v)[i];
       }
     }
@@ -74,11 +75,12 @@ struct Fixture {
 
 Eigen::VectorXd some_answer(double log_sigma_shift = 0.0) {
   Random random(7);
-  Eigen::VectorXd numbers(3 * kCount);
+  Eigen::VectorXd numbers(4 * kCount);
   for (Index i = 0; i < kCount; ++i) {
     numbers[i] = 0.02 * random.normal();
     numbers[kCount + i] = 0.5 + 0.5 * random.normal();
-    numbers[2 * kCount + i] = (i % 2 == 0 ? -5.0 : -3.0) + log_sigma_shift + 0.3 * random.normal();
+    numbers[2 * kCount + i] = 0.5 + 0.5 * random.normal();
+    numbers[3 * kCount + i] = (i % 2 == 0 ? -5.0 : -3.0) + log_sigma_shift + 0.3 * random.normal();
   }
   return numbers;
 }
@@ -101,8 +103,8 @@ TEST(CorrectionLoss, GradientOfNoiseAndSigmaMatchesDifferences) {
   const Eigen::VectorXd numbers = some_answer();
   for (const double jump : {0.0, 3.0}) {  // 3 m: the robust part rules
     for (ImuMotion& window : fixture.task.windows) window.dp.x() += jump;
-    expect_near(gradient_of(fixture, numbers).tail(2 * kCount),
-                numeric_gradient(fixture, numbers).tail(2 * kCount), 1e-6);
+    expect_near(gradient_of(fixture, numbers).tail(3 * kCount),
+                numeric_gradient(fixture, numbers).tail(3 * kCount), 1e-6);
   }
 }
 
@@ -114,24 +116,27 @@ TEST(CorrectionLoss, GradientOfOffsetsMatchesDifferences) {
               numeric_gradient(fixture, numbers).head(kCount), 1e-6);
 }
 
-TEST(CorrectionLoss, LongWindowsDoNotTeachTheNoise) {
+TEST(CorrectionLoss, EachNoiseIsTaughtByWindowsOfItsLength) {
   Fixture fixture;
-  fixture.task.windows = {fixture.task.windows[1]};
-  fixture.task.longest_noise_window_s = 0.5;
-  const Eigen::VectorXd gradient = gradient_of(fixture, some_answer());
-  EXPECT_GT(gradient.head(kCount).norm(), 0.0);
-  EXPECT_EQ(gradient.segment(kCount, kCount).norm(), 0.0);
-  EXPECT_GT(gradient.tail(kCount).norm(), 0.0);
+  const auto windows = fixture.task.windows;
+  fixture.task.windows = {windows[1]};  // 1.2 s
+  const Eigen::VectorXd lengthy = gradient_of(fixture, some_answer());
+  EXPECT_GT(lengthy.segment(kCount, kCount).norm(), 0.0);
+  EXPECT_EQ(lengthy.segment(2 * kCount, kCount).norm(), 0.0);
+  fixture.task.windows = {windows[0]};  // 0.2 s
+  const Eigen::VectorXd brief = gradient_of(fixture, some_answer());
+  EXPECT_EQ(brief.segment(kCount, kCount).norm(), 0.0);
+  EXPECT_GT(brief.segment(2 * kCount, kCount).norm(), 0.0);
 }
 
 TEST(CorrectionLoss, IsLeastWhereTheSigmasAreRight) {
   Fixture fixture;
   fixture.task.windows.pop_back();
   const auto at = [&](double shift) {
-    Eigen::VectorXd numbers = Eigen::VectorXd::Zero(3 * kCount);
-    numbers.segment(kCount, kCount).setConstant(-4.0);
+    Eigen::VectorXd numbers = Eigen::VectorXd::Zero(4 * kCount);
+    numbers.segment(kCount, 2 * kCount).setConstant(-4.0);
     for (Index i = 0; i < kCount; ++i) {
-      numbers[2 * kCount + i] = std::log(i % 2 == 0 ? 0.013 : 0.087) + shift;
+      numbers[3 * kCount + i] = std::log(i % 2 == 0 ? 0.013 : 0.087) + shift;
     }
     return fixture.loss(numbers);
   };
@@ -142,7 +147,7 @@ TEST(CorrectionLoss, IsLeastWhereTheSigmasAreRight) {
 TEST(CorrectionLoss, TheRightOffsetMakesItSmaller) {
   const Fixture fixture;
   const Eigen::VectorXd nothing = [] {
-    Eigen::VectorXd numbers = Eigen::VectorXd::Zero(3 * kCount);
+    Eigen::VectorXd numbers = Eigen::VectorXd::Zero(4 * kCount);
     numbers.tail(kCount).setConstant(-4.0);
     return numbers;
   }();
