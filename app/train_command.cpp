@@ -11,10 +11,10 @@
 #include "slam/base/config.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/progress.hpp"
+#include "slam/learner/training_run.hpp"
 #include "slam/training/imu_training.hpp"
 #include "slam/training/pose_head_training.hpp"
 #include "slam/training/pretrain_vo.hpp"
-#include "slam/training/training_run.hpp"
 
 namespace imslam::app {
 namespace {
@@ -45,7 +45,7 @@ std::string joined(const std::vector<std::string>& words) {
   return line;
 }
 
-/// Training: a NetworkTraining made from Options.
+/// Training: a learner::NetworkTraining made from Options.
 template <typename Training, typename Options>
 ExitCode train(const std::string& title,
                const TrainArguments& arguments,
@@ -60,7 +60,7 @@ ExitCode train(const std::string& title,
     std::fputs(config.to_yaml(true).c_str(), stdout);
     return ExitCode::kOk;
   }
-  training::TrainingRequest request;
+  learner::TrainingRequest request;
   request.folder = arguments.out;
   request.resume = arguments.resume;
   request.force = arguments.force;
@@ -77,7 +77,7 @@ ExitCode train(const std::string& title,
     bar.clear();
     log::info("{}", line);
   };
-  const auto outcome = training::run_training<Training>(options, request);
+  const auto outcome = learner::run_training<Training>(options, request);
   bar.clear();
   if (outcome.skipped > 0) {
     log::warn("{} of {} steps had a gradient that is not finite and were left out", outcome.skipped,

@@ -56,9 +56,9 @@ TEST(ImuTraining, StoppedAnywhereItGoesOnBitByBit) {
 /// The tensors of a training's result.
 nn::WeightsFile trained_weights(const ImuTrainingOptions& options) {
   const TempDir dir;
-  TrainingRequest request;
+  learner::TrainingRequest request;
   request.folder = dir.path() / "run";
-  return nn::WeightsFile::read(run_training<ImuTraining>(options, request).weights);
+  return nn::WeightsFile::read(learner::run_training<ImuTraining>(options, request).weights);
 }
 
 TEST(ImuTraining, OnSimulationTheOffsetOfOneSensorStaysZero) {

@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "slam/learner/training_run.hpp"
 #include "slam/nn/weights_io.hpp"
-#include "slam/training/training_run.hpp"
 #include "tests/slam/training/training_checks.hpp"
 #include "tests/support/temp_dir.hpp"
 
@@ -50,10 +50,10 @@ TEST(PoseHeadTraining, StoppedAnywhereItGoesOnBitByBit) {
 
 TEST(PoseHeadTraining, TheCardSaysWhatWasDone) {
   const TempDir dir;
-  TrainingRequest request;
+  learner::TrainingRequest request;
   request.folder = dir.path() / "run";
   request.command = "imslam train pose_head";
-  const auto outcome = run_training<PoseHeadTraining>(small_training(2), request);
+  const auto outcome = learner::run_training<PoseHeadTraining>(small_training(2), request);
   const nn::ModelCard card = nn::WeightsFile::read(outcome.weights).card();
   EXPECT_EQ(card.command, request.command);
   EXPECT_NE(card.data.find("12 synthetic flow fields"), std::string::npos) << card.data;

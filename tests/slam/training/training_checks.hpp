@@ -6,7 +6,7 @@
 
 #include "slam/base/file.hpp"
 #include "slam/base/parallel.hpp"
-#include "slam/training/training_run.hpp"
+#include "slam/learner/training_run.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace imslam::training::testing {
@@ -31,13 +31,13 @@ void expect_threads_change_nothing(const Options& options) {
 template <typename Training, typename Options>
 void expect_resume_bit_by_bit(const Options& options, const std::string& weights) {
   const imslam::testing::TempDir dir;
-  TrainingRequest request;
+  learner::TrainingRequest request;
   request.folder = dir.path() / "whole";
-  run_training<Training>(options, request);
+  learner::run_training<Training>(options, request);
   request.folder = dir.path() / "pieces";
   request.resume = true;
   request.keep_going = [](int done, int, const std::string&) { return done % 3 != 0; };
-  while (run_training<Training>(options, request).stopped) {
+  while (learner::run_training<Training>(options, request).stopped) {
   }
   for (const std::string& name :
        {std::string("checkpoint.safetensors"), weights, std::string("log.csv")}) {
