@@ -79,10 +79,16 @@ ExitCode train(const std::string& title,
   };
   const auto outcome = learner::run_training<Training>(options, request);
   bar.clear();
-  if (outcome.skipped > 0) {
-    log::warn("{} of {} steps had a gradient that is not finite and were left out", outcome.skipped,
-              outcome.steps);
+  if (!outcome.omitted.empty()) {
+    log::warn("left out in {} steps: {}", outcome.steps, outcome.omitted);
   }
+  if (!outcome.gained()) {
+    log::warn(
+        "no gain on the given weights (held-out loss {:.6g}): they are the result; to get the "
+        "best of the others all the same: --set guard=false",
+        *outcome.loss_before);
+  }
+  if (outcome.early) log::info("ended early: no gain in the last validations (train.patience)");
   fmt::print("{} steps; best: {}\n{}: {}\n", outcome.steps,
              outcome.best.empty() ? "not validated yet" : outcome.best,
              outcome.stopped ? "stopped; --resume goes on" : "weights", outcome.weights.string());

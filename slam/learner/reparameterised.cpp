@@ -11,7 +11,7 @@ Reparameterised::Reparameterised(Task& task, const Options& options)
 void Reparameterised::differentiate(const Vector& z, const Random& random, UpperGradient& result) {
   const auto draw = [&](Random& stream) -> std::optional<Contribution> {
     const Vector noise = problem_.draw_noise(stream);
-    const auto slope = problem_.cost(problem_.transform(z, noise));
+    const auto slope = problem_.cost_slope(problem_.transform(z, noise));
     if (!slope) return std::nullopt;
     return Contribution{slope->cost, problem_.pull_back(z, noise, slope->by_x)};
   };

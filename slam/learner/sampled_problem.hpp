@@ -34,7 +34,7 @@ class ReparameterisedProblem : public virtual Task {
   virtual Vector draw_noise(Random& random) const = 0;
   virtual Vector transform(const Vector& z, const Vector& noise) const = 0;
   virtual Vector pull_back(const Vector& z, const Vector& noise, const Vector& dx) const = 0;
-  virtual std::optional<CostSlope> cost(const Vector& x) const = 0;  ///< empty: did not converge
+  virtual std::optional<CostSlope> cost_slope(const Vector& x) const = 0;  ///< empty: unconverged
 };
 
 /// A learned stand-in s(x; gamma) for the cost whose mean over x can be differentiated.

@@ -4,7 +4,7 @@
 
 #include "slam/learner/training_run.hpp"
 #include "slam/nn/weights_io.hpp"
-#include "tests/slam/training/training_checks.hpp"
+#include "tests/slam/learner/training_checks.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace imslam::training {
@@ -41,11 +41,12 @@ TEST(PoseHeadTraining, LearnsTheMotionOfUnseenFields) {
 }
 
 TEST(PoseHeadTraining, ThreadsDoNotChangeABit) {
-  testing::expect_threads_change_nothing<PoseHeadTraining>(small_training(3));
+  learner::testing::expect_threads_change_nothing<PoseHeadTraining>(small_training(3));
 }
 
 TEST(PoseHeadTraining, StoppedAnywhereItGoesOnBitByBit) {
-  testing::expect_resume_bit_by_bit<PoseHeadTraining>(small_training(8), "pose_head.safetensors");
+  learner::testing::expect_resume_bit_by_bit<PoseHeadTraining>(small_training(8),
+                                                               "pose_head.safetensors");
 }
 
 TEST(PoseHeadTraining, TheCardSaysWhatWasDone) {

@@ -6,8 +6,8 @@
 #include "slam/base/file.hpp"
 #include "slam/learner/training_run.hpp"
 #include "slam/nn/weights_io.hpp"
+#include "tests/slam/learner/training_checks.hpp"
 #include "tests/slam/training/samples.hpp"
-#include "tests/slam/training/training_checks.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace imslam::training {
@@ -58,11 +58,12 @@ TEST(PretrainVo, LearnsToMatchUnseenScenes) {
 }
 
 TEST(PretrainVo, ThreadsDoNotChangeABit) {
-  testing::expect_threads_change_nothing<PretrainVo>(small_training(3));
+  learner::testing::expect_threads_change_nothing<PretrainVo>(small_training(3));
 }
 
 TEST(TrainingRun, StoppedAnywhereItGoesOnBitByBit) {
-  testing::expect_resume_bit_by_bit<PretrainVo>(small_training(8), "match_network.safetensors");
+  learner::testing::expect_resume_bit_by_bit<PretrainVo>(small_training(8),
+                                                         "match_network.safetensors");
 }
 
 // A kill leaves a checkpoint that is older than the log: what was done since is done again.

@@ -9,7 +9,7 @@
 #include "slam/learner/training_run.hpp"
 #include "tests/support/temp_dir.hpp"
 
-namespace imslam::training::testing {
+namespace imslam::learner::testing {
 
 /// Trains with one thread and with two; the checkpoints must be the same bytes.
 template <typename Training, typename Options>
@@ -31,13 +31,13 @@ void expect_threads_change_nothing(const Options& options) {
 template <typename Training, typename Options>
 void expect_resume_bit_by_bit(const Options& options, const std::string& weights) {
   const imslam::testing::TempDir dir;
-  learner::TrainingRequest request;
+  TrainingRequest request;
   request.folder = dir.path() / "whole";
-  learner::run_training<Training>(options, request);
+  run_training<Training>(options, request);
   request.folder = dir.path() / "pieces";
   request.resume = true;
   request.keep_going = [](int done, int, const std::string&) { return done % 3 != 0; };
-  while (learner::run_training<Training>(options, request).stopped) {
+  while (run_training<Training>(options, request).stopped) {
   }
   for (const std::string& name :
        {std::string("checkpoint.safetensors"), weights, std::string("log.csv")}) {
@@ -46,4 +46,4 @@ void expect_resume_bit_by_bit(const Options& options, const std::string& weights
   }
 }
 
-}  // namespace imslam::training::testing
+}  // namespace imslam::learner::testing
