@@ -75,6 +75,18 @@ TEST(ImperativeTraining, SamplesWithoutGradientAreLeftOutOfTheMeanAndCounted) {
   EXPECT_EQ(training.skipped_steps(), 0);
 }
 
+TEST(ImperativeTraining, ARefusedSampleIsAsIfItWereNotInTheBatch) {
+  ToyOptions five;
+  five.batch = 5;
+  ToyOptions six;
+  six.fails_every = 6;  // the last of the first batch
+  ToyTraining without(five);
+  ToyTraining refused(six);
+  EXPECT_NEAR(refused.step(), without.step(), 1e-6);
+  EXPECT_NEAR(refused.last_step().gradient_norm, without.last_step().gradient_norm, 1e-6);
+  EXPECT_LT(refused.last_step().residual, 1e-9);  // of those that were used
+}
+
 TEST(ImperativeTraining, AStepWithoutAnyGradientChangesNothing) {
   const TempDir dir;
   ToyOptions options;
