@@ -21,7 +21,7 @@ class QuadraticTask : public LowerProblem,
  public:
   bool upper_is_lower = false;
   bool factor = true;     ///< false: hessian_solve() has no answer
-  bool converges = true;  ///< false: solve() stops half-way and says that it converged
+  bool converges = true;  ///< false: solve() stops half-way and says it has converged
   double step_size = 0.2;
 
   QuadraticTask() {
@@ -37,6 +37,7 @@ class QuadraticTask : public LowerProblem,
     if (!converges) phi *= 0.5;
     SolveReport report = adopt(phi, z);
     report.converged = true;
+    report.gradient_norm = 0.0;
     return report;
   }
   double cost() const override {

@@ -25,8 +25,8 @@ ImuTrainingOptions small_training(int steps) {
   options.validation_samples = 4;
   options.checkpoint_every = 2;
   options.simulation.rate_hz = 100.0;
-  options.simulation.min_duration_s = 8.0;
-  options.simulation.max_duration_s = 14.0;
+  options.simulation.min_duration_s = 10.0;
+  options.simulation.max_duration_s = 15.0;
   return options;
 }
 
