@@ -11,10 +11,10 @@
 #include "slam/base/config.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/progress.hpp"
+#include "slam/learner/training_run.hpp"
 #include "slam/training/imu_training.hpp"
 #include "slam/training/pose_head_training.hpp"
 #include "slam/training/pretrain_vo.hpp"
-#include "slam/training/training_run.hpp"
 
 namespace imslam::app {
 namespace {
@@ -45,7 +45,7 @@ std::string joined(const std::vector<std::string>& words) {
   return line;
 }
 
-/// Training: a NetworkTraining made from Options.
+/// Training: a learner::NetworkTraining made from Options.
 template <typename Training, typename Options>
 ExitCode train(const std::string& title,
                const TrainArguments& arguments,
@@ -60,7 +60,7 @@ ExitCode train(const std::string& title,
     std::fputs(config.to_yaml(true).c_str(), stdout);
     return ExitCode::kOk;
   }
-  training::TrainingRequest request;
+  learner::TrainingRequest request;
   request.folder = arguments.out;
   request.resume = arguments.resume;
   request.force = arguments.force;
@@ -77,12 +77,18 @@ ExitCode train(const std::string& title,
     bar.clear();
     log::info("{}", line);
   };
-  const auto outcome = training::run_training<Training>(options, request);
+  const auto outcome = learner::run_training<Training>(options, request);
   bar.clear();
-  if (outcome.skipped > 0) {
-    log::warn("{} of {} steps had a gradient that is not finite and were left out", outcome.skipped,
-              outcome.steps);
+  if (!outcome.omitted.empty()) {
+    log::warn("left out in {} steps: {}", outcome.steps, outcome.omitted);
   }
+  if (!outcome.gained()) {
+    log::warn(
+        "no gain on the given weights (held-out loss {:.6g}): they are the result; to get the "
+        "best of the others all the same: --set guard=false",
+        *outcome.loss_before);
+  }
+  if (outcome.early) log::info("ended early: no gain in the last validations (train.patience)");
   fmt::print("{} steps; best: {}\n{}: {}\n", outcome.steps,
              outcome.best.empty() ? "not validated yet" : outcome.best,
              outcome.stopped ? "stopped; --resume goes on" : "weights", outcome.weights.string());

@@ -1,18 +1,9 @@
 #pragma once
 
-#include <fmt/format.h>
-
-#include <string_view>
-
-#include "slam/base/error.hpp"
+#include "slam/learner/bounds.hpp"
 
 namespace imslam::training {
 
-/// Throws InputError(kUsage) "key: expected low to high, got value".
-inline void require_within(std::string_view key, double value, double low, double high) {
-  if (value >= low && value <= high) return;
-  throw InputError(fmt::format("{}: expected {} to {}, got {}", key, low, high, value),
-                   ExitCode::kUsage);
-}
+using learner::require_within;
 
 }  // namespace imslam::training

@@ -31,7 +31,7 @@ nn::ParameterList<float> parameters_of(imu::ImuNetwork<float>& network) {
 }  // namespace
 
 ImuTraining::ImuTraining(const ImuTrainingOptions& options)
-    : NetworkTraining(validated(options), text_of_training(options)),
+    : NetworkTraining(validated(options), learner::text_of_training(options)),
       options_(options),
       generator_(options.simulation),
       logs_(read_inertial_logs(options.logs)),
@@ -63,7 +63,7 @@ nn::Var ImuTraining::sample_loss(nn::Tape<float>& tape, std::size_t slot) {
   return correction_loss(tape, answer, sample.task);
 }
 
-ValidationRecord ImuTraining::look() {
+learner::ValidationRecord ImuTraining::look() {
   if (!validation_) validation_ = std::make_unique<ImuValidation>(options_);
   const ImuQuality quality = with_average([this] { return validation_->evaluate(network_); });
   return {quality.loss, quality.text(), quality.row()};

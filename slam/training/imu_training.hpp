@@ -5,20 +5,20 @@
 #include <vector>
 
 #include "imu_net/imu_network.hpp"
+#include "slam/learner/network_training.hpp"
 #include "slam/training/correction_sample.hpp"
 #include "slam/training/imu_training_options.hpp"
 #include "slam/training/imu_validation.hpp"
-#include "slam/training/network_training.hpp"
 
 namespace imslam::training {
 
 /// Trains the IMU network; a sample is one log, a stretch of a real one or simulated.
-class ImuTraining : public NetworkTraining {
+class ImuTraining : public learner::NetworkTraining {
  public:
   /// Reads the real logs, if any. Throws InputError on bad options or logs.
   explicit ImuTraining(const ImuTrainingOptions& options);
 
-  ValidationRecord look() override;
+  learner::ValidationRecord look() override;
   std::string log_columns() const override { return ImuQuality::columns(); }
   std::string name() const override { return "imu_network"; }
   nn::ModelCard card() const override;

@@ -3,13 +3,13 @@
 #include <string>
 
 #include "slam/base/config.hpp"
+#include "slam/learner/training_options.hpp"
 #include "slam/training/inertial_log_generator.hpp"
-#include "slam/training/training_options.hpp"
 
 namespace imslam::training {
 
 /// Training of the IMU network on simulated sensors or on real logs with truth.
-struct ImuTrainingOptions : TrainingOptions {
+struct ImuTrainingOptions : learner::TrainingOptions {
   ImuTrainingOptions() {
     steps = 2500;
     batch = 16;

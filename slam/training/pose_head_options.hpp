@@ -1,13 +1,13 @@
 #pragma once
 
 #include "slam/base/config.hpp"
+#include "slam/learner/training_options.hpp"
 #include "slam/training/flow_fields.hpp"
-#include "slam/training/training_options.hpp"
 
 namespace imslam::training {
 
 /// Supervised training of the pose head on synthetic flow fields.
-struct PoseHeadTrainingOptions : TrainingOptions {
+struct PoseHeadTrainingOptions : learner::TrainingOptions {
   PoseHeadTrainingOptions() {
     steps = 7000;
     batch = 4;

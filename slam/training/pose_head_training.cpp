@@ -24,7 +24,7 @@ nn::ParameterList<float> parameters_of(vo::PoseHead<float>& network) {
 }  // namespace
 
 PoseHeadTraining::PoseHeadTraining(const PoseHeadTrainingOptions& options)
-    : NetworkTraining(validated(options), text_of_training(options)),
+    : NetworkTraining(validated(options), learner::text_of_training(options)),
       options_(options),
       generator_(options.flow),
       network_(make_network(options)) {
@@ -47,7 +47,7 @@ PoseHeadQuality PoseHeadTraining::validate() {
   return with_average([this] { return validation_->evaluate(network_); });
 }
 
-ValidationRecord PoseHeadTraining::look() {
+learner::ValidationRecord PoseHeadTraining::look() {
   const PoseHeadQuality quality = validate();
   return {quality.loss, quality.text(), quality.row()};
 }

@@ -3,21 +3,21 @@
 #include <memory>
 #include <string>
 
-#include "slam/training/network_training.hpp"
+#include "slam/learner/network_training.hpp"
 #include "slam/training/pose_head_options.hpp"
 #include "slam/training/pose_head_validation.hpp"
 
 namespace imslam::training {
 
 /// Trains the pose head; a sample is a handful of flow fields.
-class PoseHeadTraining : public NetworkTraining {
+class PoseHeadTraining : public learner::NetworkTraining {
  public:
   explicit PoseHeadTraining(const PoseHeadTrainingOptions& options);
 
   /// Of the averaged weights.
   PoseHeadQuality validate();
 
-  ValidationRecord look() override;
+  learner::ValidationRecord look() override;
   std::string log_columns() const override { return PoseHeadQuality::columns(); }
   std::string name() const override { return "pose_head"; }
   nn::ModelCard card() const override;

@@ -1,16 +1,16 @@
 #pragma once
 
 #include "slam/base/config.hpp"
+#include "slam/learner/training_options.hpp"
 #include "slam/training/augmentation.hpp"
 #include "slam/training/match_sample.hpp"
-#include "slam/training/training_options.hpp"
 #include "slam/training/triplet_generator.hpp"
 #include "vo_net/match_loss.hpp"
 
 namespace imslam::training {
 
 /// Supervised training of the matching network on synthetic triplets.
-struct PretrainVoOptions : TrainingOptions {
+struct PretrainVoOptions : learner::TrainingOptions {
   double ramp = 0.15;         ///< share of the steps until degradations have full strength
   double own_chain = 0.7;     ///< share of the triplets without teacher forcing, at last,
   double teacher = 0.3;       ///< reached after this share of the steps

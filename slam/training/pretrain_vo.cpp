@@ -41,7 +41,7 @@ double ramp(int step, int steps, double share) {
 }  // namespace
 
 PretrainVo::PretrainVo(const PretrainVoOptions& options)
-    : NetworkTraining(validated(options), text_of_training(options)),
+    : NetworkTraining(validated(options), learner::text_of_training(options)),
       options_(options),
       generator_(options.triplets),
       augmentation_(options.augmentation),
@@ -80,7 +80,7 @@ ValidationResult PretrainVo::validate() {
   return with_average([this] { return validation_->evaluate(network_); });
 }
 
-ValidationRecord PretrainVo::look() {
+learner::ValidationRecord PretrainVo::look() {
   const ValidationResult result = validate();
   return {result.loss, result.text(), result.row()};
 }

@@ -4,22 +4,22 @@
 #include <string>
 #include <vector>
 
+#include "slam/learner/network_training.hpp"
 #include "slam/training/match_validation.hpp"
-#include "slam/training/network_training.hpp"
 #include "slam/training/pretrain_options.hpp"
 #include "slam/training/triplet_generator.hpp"
 
 namespace imslam::training {
 
 /// Trains the matching network; a sample is a triplet.
-class PretrainVo : public NetworkTraining {
+class PretrainVo : public learner::NetworkTraining {
  public:
   explicit PretrainVo(const PretrainVoOptions& options);
 
   /// Of the averaged weights.
   ValidationResult validate();
 
-  ValidationRecord look() override;
+  learner::ValidationRecord look() override;
   std::string log_columns() const override;
   std::string name() const override { return "match_network"; }
   nn::ModelCard card() const override;

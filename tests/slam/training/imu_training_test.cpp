@@ -4,7 +4,7 @@
 
 #include "slam/base/error.hpp"
 #include "slam/nn/weights_io.hpp"
-#include "tests/slam/training/training_checks.hpp"
+#include "tests/slam/learner/training_checks.hpp"
 #include "tests/support/temp_dir.hpp"
 #include "tests/support/test_data.hpp"
 
@@ -46,19 +46,20 @@ TEST(ImuTraining, LearnsToCorrectUnseenSensors) {
 }
 
 TEST(ImuTraining, ThreadsDoNotChangeABit) {
-  testing::expect_threads_change_nothing<ImuTraining>(small_training(3));
+  learner::testing::expect_threads_change_nothing<ImuTraining>(small_training(3));
 }
 
 TEST(ImuTraining, StoppedAnywhereItGoesOnBitByBit) {
-  testing::expect_resume_bit_by_bit<ImuTraining>(small_training(8), "imu_network.safetensors");
+  learner::testing::expect_resume_bit_by_bit<ImuTraining>(small_training(8),
+                                                          "imu_network.safetensors");
 }
 
 /// The tensors of a training's result.
 nn::WeightsFile trained_weights(const ImuTrainingOptions& options) {
   const TempDir dir;
-  TrainingRequest request;
+  learner::TrainingRequest request;
   request.folder = dir.path() / "run";
-  return nn::WeightsFile::read(run_training<ImuTraining>(options, request).weights);
+  return nn::WeightsFile::read(learner::run_training<ImuTraining>(options, request).weights);
 }
 
 TEST(ImuTraining, OnSimulationTheOffsetOfOneSensorStaysZero) {

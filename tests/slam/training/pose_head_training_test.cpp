@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "slam/learner/training_run.hpp"
 #include "slam/nn/weights_io.hpp"
-#include "slam/training/training_run.hpp"
-#include "tests/slam/training/training_checks.hpp"
+#include "tests/slam/learner/training_checks.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace imslam::training {
@@ -41,19 +41,20 @@ TEST(PoseHeadTraining, LearnsTheMotionOfUnseenFields) {
 }
 
 TEST(PoseHeadTraining, ThreadsDoNotChangeABit) {
-  testing::expect_threads_change_nothing<PoseHeadTraining>(small_training(3));
+  learner::testing::expect_threads_change_nothing<PoseHeadTraining>(small_training(3));
 }
 
 TEST(PoseHeadTraining, StoppedAnywhereItGoesOnBitByBit) {
-  testing::expect_resume_bit_by_bit<PoseHeadTraining>(small_training(8), "pose_head.safetensors");
+  learner::testing::expect_resume_bit_by_bit<PoseHeadTraining>(small_training(8),
+                                                               "pose_head.safetensors");
 }
 
 TEST(PoseHeadTraining, TheCardSaysWhatWasDone) {
   const TempDir dir;
-  TrainingRequest request;
+  learner::TrainingRequest request;
   request.folder = dir.path() / "run";
   request.command = "imslam train pose_head";
-  const auto outcome = run_training<PoseHeadTraining>(small_training(2), request);
+  const auto outcome = learner::run_training<PoseHeadTraining>(small_training(2), request);
   const nn::ModelCard card = nn::WeightsFile::read(outcome.weights).card();
   EXPECT_EQ(card.command, request.command);
   EXPECT_NE(card.data.find("12 synthetic flow fields"), std::string::npos) << card.data;

@@ -4,10 +4,10 @@
 
 #include "slam/base/error.hpp"
 #include "slam/base/file.hpp"
+#include "slam/learner/training_run.hpp"
 #include "slam/nn/weights_io.hpp"
-#include "slam/training/training_run.hpp"
+#include "tests/slam/learner/training_checks.hpp"
 #include "tests/slam/training/samples.hpp"
-#include "tests/slam/training/training_checks.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace imslam::training {
@@ -33,8 +33,8 @@ PretrainVoOptions small_training(int steps) {
   return options;
 }
 
-TrainingRequest request_in(const std::filesystem::path& folder) {
-  TrainingRequest request;
+learner::TrainingRequest request_in(const std::filesystem::path& folder) {
+  learner::TrainingRequest request;
   request.folder = folder;
   return request;
 }
@@ -58,62 +58,64 @@ TEST(PretrainVo, LearnsToMatchUnseenScenes) {
 }
 
 TEST(PretrainVo, ThreadsDoNotChangeABit) {
-  testing::expect_threads_change_nothing<PretrainVo>(small_training(3));
+  learner::testing::expect_threads_change_nothing<PretrainVo>(small_training(3));
 }
 
 TEST(TrainingRun, StoppedAnywhereItGoesOnBitByBit) {
-  testing::expect_resume_bit_by_bit<PretrainVo>(small_training(8), "match_network.safetensors");
+  learner::testing::expect_resume_bit_by_bit<PretrainVo>(small_training(8),
+                                                         "match_network.safetensors");
 }
 
 // A kill leaves a checkpoint that is older than the log: what was done since is done again.
 TEST(TrainingRun, AfterAKillTheLogHoldsEachValidationOnce) {
   const TempDir dir;
   const PretrainVoOptions options = small_training(8);
-  TrainingRequest request = request_in(dir.path() / "run");
+  learner::TrainingRequest request = request_in(dir.path() / "run");
   request.keep_going = [](int done, int, const std::string&) { return done < 2; };
-  run_training<PretrainVo>(options, request);
+  learner::run_training<PretrainVo>(options, request);
   const auto checkpoint = dir.path() / "run" / "checkpoint.safetensors";
   const std::string old = read_file(checkpoint);
   request.keep_going = nullptr;
   request.resume = true;
-  run_training<PretrainVo>(options, request);
+  learner::run_training<PretrainVo>(options, request);
   const std::string log = bytes(dir.path() / "run", "log.csv");
   write_file_atomic(checkpoint, old);
-  run_training<PretrainVo>(options, request);
+  learner::run_training<PretrainVo>(options, request);
   EXPECT_EQ(bytes(dir.path() / "run", "log.csv"), log);
 }
 
 TEST(TrainingRun, AnotherTrainingInTheFolderIsRefused) {
   const TempDir dir;
-  const TrainingRequest request = request_in(dir.path() / "run");
-  run_training<PretrainVo>(small_training(2), request);
-  EXPECT_THROW(run_training<PretrainVo>(small_training(2), request), InputError);
-  TrainingRequest resume = request;
+  const learner::TrainingRequest request = request_in(dir.path() / "run");
+  learner::run_training<PretrainVo>(small_training(2), request);
+  EXPECT_THROW(learner::run_training<PretrainVo>(small_training(2), request), InputError);
+  learner::TrainingRequest resume = request;
   resume.resume = true;
-  EXPECT_THROW(run_training<PretrainVo>(small_training(3), resume), InputError);
-  TrainingRequest force = request;
+  EXPECT_THROW(learner::run_training<PretrainVo>(small_training(3), resume), InputError);
+  learner::TrainingRequest force = request;
   force.force = true;
-  EXPECT_EQ(run_training<PretrainVo>(small_training(3), force).steps, 3);
+  EXPECT_EQ(learner::run_training<PretrainVo>(small_training(3), force).steps, 3);
 }
 
 TEST(TrainingRun, ADamagedCheckpointIsRefused) {
   const TempDir dir;
-  TrainingRequest request = request_in(dir.path() / "run");
-  run_training<PretrainVo>(small_training(2), request);
+  learner::TrainingRequest request = request_in(dir.path() / "run");
+  learner::run_training<PretrainVo>(small_training(2), request);
   const auto checkpoint = dir.path() / "run" / "checkpoint.safetensors";
   std::string damaged = read_file(checkpoint);
   damaged.resize(damaged.size() / 2);
   write_file_atomic(checkpoint, damaged);
   request.resume = true;
-  EXPECT_THROW(run_training<PretrainVo>(small_training(2), request), InputError);
+  EXPECT_THROW(learner::run_training<PretrainVo>(small_training(2), request), InputError);
 }
 
 TEST(TrainingRun, AStartFromWeightsNamesItsParent) {
   const TempDir dir;
-  const auto first = run_training<PretrainVo>(small_training(2), request_in(dir.path() / "first"));
-  TrainingRequest request = request_in(dir.path() / "second");
+  const auto first =
+      learner::run_training<PretrainVo>(small_training(2), request_in(dir.path() / "first"));
+  learner::TrainingRequest request = request_in(dir.path() / "second");
   request.start = first.weights;
-  const auto second = run_training<PretrainVo>(small_training(2), request);
+  const auto second = learner::run_training<PretrainVo>(small_training(2), request);
   EXPECT_EQ(nn::WeightsFile::read(second.weights).card().parent,
             nn::WeightsFile::read(first.weights).data_sha256());
 }

@@ -2,12 +2,13 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "slam/base/config.hpp"
-#include "slam/training/network_training.hpp"
+#include "slam/learner/network_training.hpp"
 
-namespace imslam::training {
+namespace imslam::learner {
 
 /// What to do in which folder.
 struct TrainingRequest {
@@ -25,7 +26,13 @@ struct TrainingRequest {
 struct TrainingOutcome {
   bool stopped = false;  ///< by keep_going; the checkpoint allows to go on
   int steps = 0;
-  int skipped = 0;
+  int skipped = 0;      ///< steps that changed nothing
+  std::string omitted;  ///< what was left out and why, for people; empty: nothing
+  bool early = false;   ///< ended by patience
+  /// Guarded only: the held-out loss of the given weights. Not gained: they are the result.
+  std::optional<double> loss_before;
+  double loss_after = 0.0;  ///< of the result; 1e300 if there was no look
+  bool gained() const { return !loss_before || loss_after < *loss_before; }
   std::string best;  ///< the validation of the weights that were kept
   std::filesystem::path weights;
 };
@@ -36,6 +43,9 @@ struct TrainingOutcome {
 ///   checkpoint.safetensors   every checkpoint_every steps and at the end, all or nothing
 ///   NAME.safetensors         the weights with the least validation loss so far, float16
 ///   log.csv                  the validations
+///
+/// With options.guard, weights given by `start` are looked at first (step 0) and stay the result
+/// unless a later look is better.
 ///
 /// Throws InputError: kOutput on a folder that is in use, kModel on a checkpoint of other options.
 TrainingOutcome run_training(NetworkTraining& training,
@@ -53,4 +63,4 @@ TrainingOutcome run_training(const Options& options, const TrainingRequest& requ
   return run_training(training, config.to_yaml(), request);
 }
 
-}  // namespace imslam::training
+}  // namespace imslam::learner

@@ -1,7 +1,8 @@
-#include "slam/training/training_run.hpp"
+#include "slam/learner/training_run.hpp"
 
 #include <fmt/format.h>
 
+#include <chrono>
 #include <vector>
 
 #include "slam/base/error.hpp"
@@ -9,7 +10,7 @@
 #include "slam/base/text.hpp"
 #include "slam/nn/weights_io.hpp"
 
-namespace imslam::training {
+namespace imslam::learner {
 namespace {
 
 namespace fs = std::filesystem;
@@ -56,7 +57,8 @@ std::vector<std::string> read_log(const fs::path& file, int step) {
 void write_log(const fs::path& file,
                const std::string& columns,
                const std::vector<std::string>& rows) {
-  std::string text = "step,samples,loss," + columns + '\n';
+  std::string text =
+      "step,samples,loss," + columns + ",gradient_norm,inner_residual,rate,skipped_steps\n";
   for (const std::string& row : rows) text += row + '\n';
   write_file_atomic(file, text);
 }
@@ -69,10 +71,12 @@ class TrainingRun {
     const fs::path checkpoint = request.folder / kCheckpoint;
     if (request.resume && fs::exists(checkpoint)) {
       training_.restore(checkpoint);
+      rows_ = read_log(request.folder / kLog, training_.step_count());
     } else if (!request.start.empty()) {
       training_.start_from(request.start);
+      if (options().guard) look_at_start();
     }
-    rows_ = read_log(request.folder / kLog, training_.step_count());
+    first_step_ = training_.step_count();
   }
 
   TrainingOutcome run() {
@@ -81,6 +85,10 @@ class TrainingRun {
     training_.save(request_.folder / kCheckpoint);
     outcome_.steps = training_.step_count();
     outcome_.skipped = training_.skipped_steps();
+    outcome_.omitted = training_.skipped().text();
+    outcome_.early = training_.out_of_patience();
+    outcome_.loss_before = training_.start_loss();
+    outcome_.loss_after = training_.best_loss();
     if (fs::exists(outcome_.weights)) {
       outcome_.best = nn::WeightsFile::read(outcome_.weights).card().metrics;
     }
@@ -96,19 +104,53 @@ class TrainingRun {
     smooth_loss_ = smooth_loss_ == 0.0 ? loss : 0.95 * smooth_loss_ + 0.05 * loss;
     if (step % options().validation_every == 0 || training_.done()) validate();
     if (step % options().checkpoint_every == 0) training_.save(request_.folder / kCheckpoint);
-    const std::string note = fmt::format("loss {:.3f}", smooth_loss_);
-    outcome_.stopped = request_.keep_going && !request_.keep_going(step, options().steps, note);
+    outcome_.stopped = request_.keep_going && !request_.keep_going(step, options().steps, note());
+  }
+
+  /// How it goes, for a progress line that knows rate and time left itself.
+  std::string note() const {
+    const StepRecord& last = training_.last_step();
+    std::string text = fmt::format("loss {:.3f}, gradient {:.2g}, rate {:.1e}", smooth_loss_,
+                                   last.gradient_norm, last.rate);
+    if (last.residual > 0.0) text += fmt::format(", residual {:.0e}", last.residual);
+    if (training_.skipped_steps() > 0)
+      text += fmt::format(", {} skipped", training_.skipped_steps());
+    return text;
   }
 
   void validate() {
     const ValidationRecord seen = training_.look();
+    note_row(seen);
+    if (training_.note_look(seen.loss)) keep_weights(seen);
+  }
+
+  void look_at_start() {
+    const ValidationRecord seen = training_.look();
+    note_row(seen);
+    training_.note_start(seen.loss);
+    keep_weights(seen);
+  }
+
+  void note_row(const ValidationRecord& seen) {
     const int step = training_.step_count();
-    if (request_.tell) request_.tell(fmt::format("step {}: {}", step, seen.text));
-    rows_.push_back(
-        fmt::format("{},{},{:.6f},{}", step, step * options().batch, seen.loss, seen.row));
+    if (request_.tell) request_.tell(fmt::format("step {}: {}{}", step, seen.text, pace()));
+    const StepRecord& last = training_.last_step();
+    rows_.push_back(fmt::format("{},{},{:.6f},{},{:.4g},{:.2g},{:.4g},{}", step,
+                                step * options().batch, seen.loss, seen.row, last.gradient_norm,
+                                last.residual, last.rate, training_.skipped_steps()));
     write_log(request_.folder / kLog, training_.log_columns(), rows_);
-    if (!(seen.loss < training_.best_loss)) return;
-    training_.best_loss = seen.loss;
+  }
+
+  std::string pace() const {
+    const int done = training_.step_count() - first_step_;
+    if (done <= 0) return "";
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+    const double left_s = elapsed.count() / done * (options().steps - training_.step_count());
+    return fmt::format("; {}; {:.2g} steps/s, {:.1f} min left", note(), done / elapsed.count(),
+                       left_s / 60.0);
+  }
+
+  void keep_weights(const ValidationRecord& seen) {
     nn::ModelCard card = training_.card();
     card.command = request_.command;
     card.metrics += ": " + seen.text;
@@ -118,6 +160,8 @@ class TrainingRun {
   const TrainingRequest& request_;
   NetworkTraining& training_;
   std::vector<std::string> rows_;
+  int first_step_ = 0;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   double smooth_loss_ = 0.0;  // for people only: starts anew after a resume
   TrainingOutcome outcome_;
 };
@@ -132,4 +176,4 @@ TrainingOutcome run_training(NetworkTraining& training,
   return TrainingRun(training, request).run();
 }
 
-}  // namespace imslam::training
+}  // namespace imslam::learner

@@ -6,10 +6,10 @@
 
 #include "slam/base/file.hpp"
 #include "slam/base/parallel.hpp"
-#include "slam/training/training_run.hpp"
+#include "slam/learner/training_run.hpp"
 #include "tests/support/temp_dir.hpp"
 
-namespace imslam::training::testing {
+namespace imslam::learner::testing {
 
 /// Trains with one thread and with two; the checkpoints must be the same bytes.
 template <typename Training, typename Options>
@@ -46,4 +46,4 @@ void expect_resume_bit_by_bit(const Options& options, const std::string& weights
   }
 }
 
-}  // namespace imslam::training::testing
+}  // namespace imslam::learner::testing

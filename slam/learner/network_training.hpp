@@ -4,13 +4,15 @@
 #include <optional>
 #include <string>
 
+#include "slam/learner/training_options.hpp"
+#include "slam/learner/training_record.hpp"
 #include "slam/nn/model_card.hpp"
 #include "slam/nn/training/data_parallel.hpp"
 #include "slam/nn/training/gradients.hpp"
 #include "slam/nn/training/optimizer.hpp"
-#include "slam/training/training_options.hpp"
+#include "slam/nn/weights_io.hpp"
 
-namespace imslam::training {
+namespace imslam::learner {
 
 /// A look at the averaged weights, for the folder of a training.
 struct ValidationRecord {
@@ -25,8 +27,9 @@ struct ValidationRecord {
 ///   AdamW with a cosine rate  ->  running average of the weights
 ///
 /// Equal options give equal bytes for any number of threads and however often the training was
-/// interrupted (on processors with the same instruction set). A step whose gradient is not finite
-/// changes nothing and is counted.
+/// interrupted (on processors with the same instruction set). A step whose gradient is not finite,
+/// or whose samples all went without, changes nothing and is counted. Samples that learn through a
+/// solver: see ImperativeTraining.
 class NetworkTraining {
  public:
   NetworkTraining(const NetworkTraining&) = delete;  // the parameters belong to a network within
@@ -34,12 +37,27 @@ class NetworkTraining {
   virtual ~NetworkTraining() = default;
 
   const TrainingOptions& common_options() const { return common_; }
-  bool done() const { return step_ >= common_.steps; }
+  /// After the last step, or earlier by common_options().patience.
+  bool done() const { return step_ >= common_.steps || out_of_patience(); }
+  bool out_of_patience() const {
+    return common_.patience > 0 && looks_without_gain_ >= common_.patience;
+  }
   int step_count() const { return step_; }
-  int skipped_steps() const { return skipped_; }
+  int skipped_steps() const { return skipped_.steps(); }
+  const SkipCounts& skipped() const { return skipped_; }
 
   /// One step; returns the mean loss of the batch.
   double step();
+  const StepRecord& last_step() const { return record_; }
+
+  /// Takes note of a look; true if it is the best so far.
+  bool note_look(double loss);
+  /// Of all looks so far, kept in checkpoints.
+  double best_loss() const { return best_loss_; }
+
+  /// The guard: the loss of the weights that the training began with, noted as the first look.
+  void note_start(double loss);
+  std::optional<double> start_loss() const { return start_loss_; }
 
   /// Of the averaged weights.
   virtual ValidationRecord look() = 0;
@@ -61,8 +79,6 @@ class NetworkTraining {
   /// The averaged weights in float16 with their card.
   void write_weights(const std::filesystem::path& file, nn::ModelCard card);
 
-  double best_loss = 1e300;  ///< of all validations so far, kept in checkpoints
-
  protected:
   /// `options_text`: what the weights depend on; a checkpoint of another text is refused.
   NetworkTraining(const TrainingOptions& options, std::string options_text);
@@ -74,17 +90,29 @@ class NetworkTraining {
   virtual void prepare_step() {}
   /// The loss of one sample of the present step; called from several threads at once.
   virtual nn::Var sample_loss(nn::Tape<float>& tape, std::size_t slot) = 0;
+  /// Of the batch that has just run.
+  virtual BatchTally tally() const { return {}; }
 
-  /// Runs look_at() while the network has the averaged weights.
+  /// What else a training must remember, e.g. a Memory.
+  virtual void save_more(nn::WeightsWriter&) const {}
+  virtual void restore_more(const nn::WeightsFile&) {}
+
+  /// Runs look_at() while the network has the averaged weights; before the first step there are
+  /// only the weights themselves.
   template <typename LookAt>
   auto with_average(const LookAt& look_at) {
-    average_.swap(parameters_);
+    swap_average();
     auto result = look_at();
-    average_.swap(parameters_);
+    swap_average();
     return result;
   }
 
  private:
+  void swap_average();
+  bool scale_to_used_samples(double& loss);
+  void save_counts(nn::WeightsWriter& writer) const;
+  void restore_counts(const nn::WeightsFile& checkpoint);
+
   TrainingOptions common_;
   std::string options_text_;
   nn::ParameterList<float> parameters_;
@@ -94,8 +122,15 @@ class NetworkTraining {
   nn::Gradients<float> gradients_;
   std::string parent_sha256_;
   int step_ = 0;
-  int skipped_ = 0;
+  SkipCounts skipped_;
+  StepRecord record_;
+  double best_loss_ = 1e300;
+  std::optional<double> start_loss_;
+  int looks_without_gain_ = 0;
 };
+
+/// The text without the lines of keys that say only when to stop and what to hand back.
+std::string without_stop_keys(const std::string& yaml);
 
 /// The options that weights depend on as text: not how often they are looked at.
 template <typename Options>
@@ -106,7 +141,7 @@ std::string text_of_training(Options options) {
   options.checkpoint_every = defaults.checkpoint_every;
   Config config;
   config.section("train", options);
-  return config.to_yaml();
+  return without_stop_keys(config.to_yaml());
 }
 
-}  // namespace imslam::training
+}  // namespace imslam::learner

@@ -2,7 +2,7 @@
 
 #include "slam/base/config.hpp"
 
-namespace imslam::training {
+namespace imslam::learner {
 
 /// What the training of any network needs; options of a network derive from it.
 struct TrainingOptions {
@@ -17,10 +17,12 @@ struct TrainingOptions {
   int validation_every = 250;   ///< [steps]
   int validation_samples = 96;  ///< of other seeds
   int checkpoint_every = 100;   ///< [steps]
+  int patience = 0;   ///< validations without gain after which the training ends; 0: never
+  bool guard = true;  ///< given weights are the result unless the training gains on them
 
  protected:
   void describe_training(Config& config);
   void validate_training() const;  ///< Throws InputError(kUsage) naming key, value and bound.
 };
 
-}  // namespace imslam::training
+}  // namespace imslam::learner

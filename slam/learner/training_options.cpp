@@ -1,8 +1,8 @@
-#include "slam/training/training_options.hpp"
+#include "slam/learner/training_options.hpp"
 
-#include "slam/training/bounds.hpp"
+#include "slam/learner/bounds.hpp"
 
-namespace imslam::training {
+namespace imslam::learner {
 
 void TrainingOptions::describe_training(Config& config) {
   config.field("seed", seed, "of the first weights and whatever else is drawn");
@@ -16,6 +16,8 @@ void TrainingOptions::describe_training(Config& config) {
   config.field("validation_every", validation_every, "[steps]");
   config.field("validation_samples", validation_samples, "of other seeds");
   config.field("checkpoint_every", checkpoint_every, "[steps]");
+  config.field("patience", patience, "validations without gain that end the training; 0: never");
+  config.field("guard", guard, "weights given by --start are the result unless it gains on them");
 }
 
 void TrainingOptions::validate_training() const {
@@ -29,6 +31,7 @@ void TrainingOptions::validate_training() const {
   require_within("train.validation_every", validation_every, 1, 1e8);
   require_within("train.validation_samples", validation_samples, 2, 10000);
   require_within("train.checkpoint_every", checkpoint_every, 1, 1e8);
+  require_within("train.patience", patience, 0, 1e8);
 }
 
-}  // namespace imslam::training
+}  // namespace imslam::learner

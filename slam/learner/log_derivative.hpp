@@ -1,0 +1,29 @@
+#pragma once
+
+#include "slam/learner/gradient_strategy.hpp"
+#include "slam/learner/sampled_problem.hpp"
+
+namespace imslam::learner {
+
+/// REINFORCE (Williams 1992): the solver is a black box, x may be discrete.
+///
+///   dU/dz = E[ (L(x) - b) d log p(x|z)/dz ]
+///
+/// Unbiased, with much variance. The baseline b of a draw is the mean cost of the other draws, on
+/// which it does not depend, so it biases nothing (Kool, van Hoof, Welling 2019); or 0.
+class LogDerivative : public GradientStrategy {
+ public:
+  struct Options {
+    int samples = 16;      ///< draws per gradient
+    bool baseline = true;  ///< needs two draws
+  };
+  LogDerivative(Task& task, const Options& options);
+
+ private:
+  void differentiate(const Vector& z, const Random& random, UpperGradient& result) override;
+
+  const SampledProblem& problem_;
+  Options options_;
+};
+
+}  // namespace imslam::learner
