@@ -11,8 +11,8 @@ namespace imslam::imu {
 namespace {
 
 constexpr double kGravity = 9.81;         // [m/s^2]
-constexpr double kGyroBiasSigma = 0.2;    // [rad/s] before anything was seen
-constexpr double kAccelBiasSigma = 0.3;   // [m/s^2]
+constexpr double kGyroBiasFactor = 2.0;   // on what the sensor's kind allows, before anything
+constexpr double kAccelBiasFactor = 1.5;  // was seen
 constexpr double kGyroWarmUp = 3e-5;      // [rad/s/sqrt(s)] beside the datasheet's walk
 constexpr double kAccelWarmUp = 3e-4;     // [m/s^2/sqrt(s)]
 constexpr double kSway = 2e-4;            // [rad/s] of a body that counts as still
@@ -25,8 +25,9 @@ double squared(double x) { return x * x; }
 
 RestObserver::RestObserver(const ImuNoise& noise)
     : noise_(noise),
-      gyro_variance_(Eigen::Vector3d::Constant(squared(kGyroBiasSigma))),
-      accel_covariance_(squared(kAccelBiasSigma) * Eigen::Matrix3d::Identity()) {}
+      gyro_variance_(Eigen::Vector3d::Constant(squared(kGyroBiasFactor * noise.gyro_bias_sigma))),
+      accel_covariance_(squared(kAccelBiasFactor * noise.accel_bias_sigma) *
+                        Eigen::Matrix3d::Identity()) {}
 
 void RestObserver::add(const ImuBin& bin, double dt_s) {
   gyro_variance_.array() += dt_s * (squared(noise_.gyro_random_walk) + squared(kGyroWarmUp));
@@ -84,7 +85,7 @@ constexpr double kLeastForce = 0.3;    // [g] below it the direction says nothin
 GravityObserver::GravityObserver(const ImuNoise& noise, const Accelerations& accelerations)
     : noise_(noise), accelerations_(accelerations), P_(Eigen::Matrix<double, 6, 6>::Zero()) {
   P_.diagonal() << Eigen::Vector3d::Constant(squared(kFirstTilt)),
-      Eigen::Vector3d::Constant(squared(kGyroBiasSigma));
+      Eigen::Vector3d::Constant(squared(kGyroBiasFactor * noise.gyro_bias_sigma));
 }
 
 void GravityObserver::add(const ImuBin& bin,

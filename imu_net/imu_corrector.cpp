@@ -13,6 +13,7 @@ namespace {
 using nn::Index;
 
 constexpr Index kContext = ImuNetwork<float>::kContext;
+constexpr double kMostSigma = 2.0;  // of what the sensor's kind allows
 
 /// Number `channel` of axis `axis` of a value [3,1,2].
 double number(const nn::Tape<float>& tape, nn::Var v, int axis, int channel) {
@@ -44,7 +45,7 @@ ImuCorrector::ImuCorrector(std::shared_ptr<const ImuNetwork<float>> network, con
       extractor_(noise),
       frames_{nn::Tensor<float>({3, kContext + 1, ImuFrame::kFeatures}),
               nn::Tensor<float>({3, 1, ImuFrame::kGyroCandidates}),
-              nn::Tensor<float>({3, 1, ImuFrame::kAccelCandidates})},
+              nn::Tensor<float>({3, 1, ImuFrame::kAccelCandidates}), largest_offset(noise)},
       state_({3, network_->gru.hidden()}) {}
 
 ImuSample ImuCorrector::correct(const ImuSample& sample) {
@@ -77,8 +78,10 @@ void ImuCorrector::look(const ImuFrame& frame) {
         variance(noise_.gyro_noise_density, of(answer.edge_noise, 0));
     correction_.edge_noise.accel[axis] =
         variance(noise_.accel_noise_density, of(answer.edge_noise, 1));
-    correction_.sigma.gyro[axis] = std::exp(of(answer.log_sigma, 0));
-    correction_.sigma.accel[axis] = std::exp(of(answer.log_sigma, 1));
+    correction_.sigma.gyro[axis] =
+        std::min(std::exp(of(answer.log_sigma, 0)), kMostSigma * noise_.gyro_bias_sigma);
+    correction_.sigma.accel[axis] =
+        std::min(std::exp(of(answer.log_sigma, 1)), kMostSigma * noise_.accel_bias_sigma);
   }
 }
 

@@ -79,9 +79,9 @@ ImuAnswer ImuNetwork<S>::forward(nn::Tape<S>& tape,
   ImuAnswer answer;
   answer.offset = concat(tape,
                          {blend(tape, part(0, kGyro), tape.constant(frames.gyro_bias),
-                                constant_of(0), kLargestOffset[0]),
+                                constant_of(0), frames.largest_offset[0]),
                           blend(tape, part(kGyro, kAccel), tape.constant(frames.accel_bias),
-                                constant_of(1), kLargestOffset[1])},
+                                constant_of(1), frames.largest_offset[1])},
                          -1);
   const auto noise = [&](Index start) {
     return shift(tape, within(tape, part(start, 2), kNoiseReach), kFirstNoise);
@@ -107,13 +107,18 @@ void ImuNetwork<S>::collect(nn::ParameterList<S>& list, const std::string& prefi
   list.add(prefix + "sensor_offset", sensor_offset);
 }
 
+std::array<double, 2> largest_offset(const ImuNoise& noise) {
+  return {3.0 * noise.gyro_bias_sigma, 5.0 * noise.accel_bias_sigma};
+}
+
 template <typename S>
-ImuFrameTensors<S> frame_tensors(const std::vector<ImuFrame>& frames) {
+ImuFrameTensors<S> frame_tensors(const std::vector<ImuFrame>& frames, const ImuNoise& noise) {
   const auto bins = static_cast<Index>(frames.size());
   constexpr Index kFeatures = ImuFrame::kFeatures;
   constexpr Index kContext = ImuNetwork<S>::kContext;
   ImuFrameTensors<S> tensors{nn::Tensor<S>({3, kContext + bins, kFeatures}),
-                             nn::Tensor<S>({3, bins, kGyro}), nn::Tensor<S>({3, bins, kAccel})};
+                             nn::Tensor<S>({3, bins, kGyro}), nn::Tensor<S>({3, bins, kAccel}),
+                             largest_offset(noise)};
   for (Index axis = 0; axis < 3; ++axis) {
     for (Index bin = 0; bin < bins; ++bin) {
       const ImuFrame& frame = frames[static_cast<std::size_t>(bin)];
@@ -128,8 +133,8 @@ ImuFrameTensors<S> frame_tensors(const std::vector<ImuFrame>& frames) {
   return tensors;
 }
 
-template ImuFrameTensors<float> frame_tensors(const std::vector<ImuFrame>&);
-template ImuFrameTensors<double> frame_tensors(const std::vector<ImuFrame>&);
+template ImuFrameTensors<float> frame_tensors(const std::vector<ImuFrame>&, const ImuNoise&);
+template ImuFrameTensors<double> frame_tensors(const std::vector<ImuFrame>&, const ImuNoise&);
 template struct ImuNetwork<float>;
 template struct ImuNetwork<double>;
 

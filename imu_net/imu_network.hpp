@@ -23,7 +23,13 @@ struct ImuFrameTensors {
   nn::Tensor<S> features;    ///< [3, context + T, F]; the context comes before what is asked
   nn::Tensor<S> gyro_bias;   ///< [3, T, 3] candidates
   nn::Tensor<S> accel_bias;  ///< [3, T, 1]
+  /// Of the offsets: what the sensor's kind may show [rad/s], [m/s^2].
+  std::array<double, 2> largest_offset{0.3, 1.0};
 };
+
+/// Three sigmas of the gyro's bias, five of the accelerometer's: 0.3 rad/s and 1 m/s^2 unless the
+/// sensor is known to be better.
+std::array<double, 2> largest_offset(const ImuNoise& noise);
 
 /// Writes the candidates of one frame at place `bin`.
 template <typename S>
@@ -44,7 +50,7 @@ void put_candidates(const ImuFrame& frame,
 
 /// All frames of a log; the context before the first is zero.
 template <typename S>
-ImuFrameTensors<S> frame_tensors(const std::vector<ImuFrame>& frames);
+ImuFrameTensors<S> frame_tensors(const std::vector<ImuFrame>& frames, const ImuNoise& noise);
 
 /// What the network says for each axis and bin.
 struct ImuAnswer {
@@ -59,7 +65,8 @@ struct ImuAnswer {
 /// believe, how noisy the readings are, how wrong the bias may still be.
 ///
 ///   h_t = GRU(conv(conv(features)))         a, n, s = head(h_t)          per axis, shared weights
-///   offset = B tanh((o + sum_k a_k (c_k - o)) / B),   |a_k| < 2,   c_k candidates,   o constant
+///   offset = B tanh((o + sum_k a_k (c_k - o)) / B),   |a_k| < 2,   c_k candidates,   o constant,
+///                                                      B largest_offset
 ///   noise = -4 + n within (-13, 5)          log sigma = log sigma_0 + s
 ///
 /// Over seconds errors of scale and alignment look like noise that short integrations do not have:
@@ -70,7 +77,6 @@ template <typename S>
 struct ImuNetwork {
   static constexpr double kLongestEdge_s = 0.5;  ///< [s] integrations up to it have edge_noise
   static constexpr int kContext = 10;            ///< [bins] that the convolutions look back
-  static constexpr double kLargestOffset[2] = {0.3, 1.0};  ///< [rad/s], [m/s^2]
 
   ImuNetwork(const ImuNetworkSizes& sizes, Random& random);
 

@@ -58,7 +58,7 @@ nn::Var ImuTraining::sample_loss(nn::Tape<float>& tape, std::size_t slot) {
   make_correction_sample(draw_log(index, random),
                          {options_.windows, options_.least_window_s, options_.most_window_s},
                          random, sample);
-  const auto frames = imu::frame_tensors<float>(sample.frames);
+  const auto frames = imu::frame_tensors<float>(sample.frames, sample.log.noise);
   const imu::ImuAnswer answer = network_.forward(tape, frames, network_.gru.zero_state(tape, 3));
   return correction_loss(tape, answer, sample.task);
 }

@@ -89,10 +89,22 @@ TEST(ImuNetwork, OffsetsStayWithinTheirBound) {
   const CorrectedSamples result = correct_samples(network, samples, ImuNoise{});
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const Eigen::Vector3d gyro = samples[i].angular_velocity - result.samples[i].angular_velocity;
-    EXPECT_LE(gyro.cwiseAbs().maxCoeff(), ImuNetwork<float>::kLargestOffset[0] + 1e-6);
+    EXPECT_LE(gyro.cwiseAbs().maxCoeff(), largest_offset(ImuNoise())[0] + 1e-6);
     EXPECT_TRUE(result.samples[i].linear_acceleration.allFinite());
     EXPECT_TRUE(result.samples[i].accel_variance.allFinite());
   }
+}
+
+TEST(ImuNetwork, ASensorKnownToBeGoodIsTrusted) {
+  ImuNoise good;
+  good.gyro_bias_sigma = 5e-4;
+  const CorrectedSamples result = correct_samples(some_network(5.0), readings(200.0), good);
+  const auto samples = readings(200.0);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Eigen::Vector3d gyro = samples[i].angular_velocity - result.samples[i].angular_velocity;
+    ASSERT_LE(gyro.cwiseAbs().maxCoeff(), 1.5e-3 + 1e-6) << i;
+  }
+  EXPECT_LE(result.bias_sigma.back().sigma.gyro.maxCoeff(), 1e-3);
 }
 
 TEST(ImuNetwork, AStreamGivesWhatTheWholeLogGives) {
@@ -100,8 +112,8 @@ TEST(ImuNetwork, AStreamGivesWhatTheWholeLogGives) {
   const auto samples = readings(200.0);
   const auto frames = frames_of(samples);
   nn::Tape<float> tape(nn::Mode::kInference);
-  const ImuAnswer answer =
-      network->forward(tape, frame_tensors<float>(frames), network->gru.zero_state(tape, 3));
+  const ImuAnswer answer = network->forward(tape, frame_tensors<float>(frames, ImuNoise()),
+                                            network->gru.zero_state(tape, 3));
   ImuCorrector corrector(network, ImuNoise{});
   Index bin = -1;
   for (const ImuSample& sample : samples) {
