@@ -27,6 +27,9 @@ nn::WeightsFile read_weights(const std::string& file) {
 
 void ImuNetworkOptions::describe(Config& config) {
   config.field("weights", weights, "weight file; empty: the shipped ones");
+  config.field("beliefs", beliefs, "what the network believes of the biases enters the graph");
+  config.field("noise_factor", noise_factor,
+               "on the datasheet's noise density; the network's own is added");
 }
 
 TrainedImuNetwork load_imu_network(const std::string& file) {

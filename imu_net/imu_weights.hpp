@@ -14,7 +14,9 @@ class Config;
 namespace imslam::imu {
 
 struct ImuNetworkOptions {
-  std::string weights;  ///< file; empty: the shipped ones
+  std::string weights;        ///< file; empty: the shipped ones
+  bool beliefs = true;        ///< what the network believes of the biases enters the graph
+  double noise_factor = 2.0;  ///< on the datasheet's density; the network's own is added
 
   void describe(Config& config);
 };

@@ -36,6 +36,8 @@ class SlamSystem::State {
     measurements_.imu_noise = *imu_noise;
     if (front_end.imu_network) {
       inertial_front_end_.emplace(std::move(front_end.imu_network), *imu_noise);
+      measurements_.imu_noise.gyro_noise_density *= options.imu_network.noise_factor;
+      measurements_.imu_noise.accel_noise_density *= options.imu_network.noise_factor;
       return;
     }
     measurements_.imu_noise.gyro_noise_density *= options.system.gyro_noise_factor;
@@ -55,7 +57,7 @@ class SlamSystem::State {
     }
     if (!inertial_front_end_) return samples.push_back(sample);
     samples.push_back(inertial_front_end_->add(sample));
-    measurements_.bias_beliefs = inertial_front_end_->beliefs();
+    if (options_.imu_network.beliefs) measurements_.bias_beliefs = inertial_front_end_->beliefs();
   }
 
   FrameReport process(const StereoFrame& frame) {

@@ -63,11 +63,11 @@ TEST_F(ImuCommand, WritesTheTableAsCsvAndJson) {
   EXPECT_EQ(imu(arguments).exit_code, 0);
   const std::string csv = testing::slurp(out / "imu.csv");
   EXPECT_EQ(csv.rfind("log,method,window_s,windows,degraded,rotation_rms_deg", 0), 0U) << csv;
-  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 3 * 2);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 4 * 2);
   const auto json = nlohmann::json::parse(testing::slurp(out / "imu.json"));
   ASSERT_EQ(json.size(), 1U);
   EXPECT_EQ(json[0]["log"], "ride");
-  ASSERT_EQ(json[0]["rows"].size(), 6U);
+  ASSERT_EQ(json[0]["rows"].size(), 8U);
   EXPECT_EQ(json[0]["rows"][0]["method"], "raw");
   EXPECT_EQ(json[0]["rows"][0]["windows"], 12);
   EXPECT_LT(json[0]["rows"][0]["position_rms_m"], 1e-3);
@@ -85,7 +85,7 @@ TEST_F(ImuCommand, SaysWhatIsWrong) {
   const auto none = run_imslam(dir_, "imu " + quoted((dir_.path() / "none").string()));
   EXPECT_EQ(none.exit_code, 3);
   EXPECT_NE(none.err.find("none_imu.csv"), std::string::npos) << none.err;
-  EXPECT_EQ(imu("--weights w.safetensors").exit_code, 2);
+  EXPECT_EQ(imu("--weights w.safetensors").exit_code, 5);
 }
 
 }  // namespace
