@@ -73,17 +73,15 @@ class LossOfLog {
     for (int axis = 0; axis < 3; ++axis) {
       const Index gyro = place(axis, bin, 0);
       const Index accel = place(axis, bin, 1);
-      const auto variance = [](double density, double log_ratio) {
-        return density * density * std::exp(2.0 * log_ratio);
-      };
       const double gyro_density = task_.noise.gyro_noise_density;
       const double accel_density = task_.noise.accel_noise_density;
       said.offset.gyro[axis] = number(answer_.offset, gyro);
       said.offset.accel[axis] = number(answer_.offset, accel);
-      said.noise.gyro[axis] = variance(gyro_density, number(answer_.noise, gyro));
-      said.noise.accel[axis] = variance(accel_density, number(answer_.noise, accel));
-      said.edge_noise.gyro[axis] = variance(gyro_density, number(answer_.edge_noise, gyro));
-      said.edge_noise.accel[axis] = variance(accel_density, number(answer_.edge_noise, accel));
+      said.noise.gyro[axis] = added_variance(gyro_density, number(answer_.noise, gyro));
+      said.noise.accel[axis] = added_variance(accel_density, number(answer_.noise, accel));
+      said.edge_noise.gyro[axis] = added_variance(gyro_density, number(answer_.edge_noise, gyro));
+      said.edge_noise.accel[axis] =
+          added_variance(accel_density, number(answer_.edge_noise, accel));
       said.sigma.gyro[axis] = std::exp(number(answer_.log_sigma, gyro));
       said.sigma.accel[axis] = std::exp(number(answer_.log_sigma, accel));
     }

@@ -20,12 +20,11 @@ double number(const nn::Tape<float>& tape, nn::Var v, int axis, int channel) {
   return static_cast<double>(tape.data(v)[2 * axis + channel]);
 }
 
-/// Of the noise that is added, e^log_ratio times as dense as the datasheet's.
-double variance(double density, double log_ratio) {
-  return density * density * std::exp(2.0 * log_ratio);
-}
-
 }  // namespace
+
+double added_variance(double datasheet_density, double log_ratio) {
+  return datasheet_density * datasheet_density * std::exp(2.0 * log_ratio);
+}
 
 ImuSample corrected(const ImuSample& sample,
                     const ImuCorrection& correction,
@@ -72,12 +71,12 @@ void ImuCorrector::look(const ImuFrame& frame) {
     const auto of = [&](nn::Var v, int sensor) { return number(tape_, v, axis, sensor); };
     correction_.offset.gyro[axis] = of(answer.offset, 0);
     correction_.offset.accel[axis] = of(answer.offset, 1);
-    correction_.noise.gyro[axis] = variance(noise_.gyro_noise_density, of(answer.noise, 0));
-    correction_.noise.accel[axis] = variance(noise_.accel_noise_density, of(answer.noise, 1));
+    correction_.noise.gyro[axis] = added_variance(noise_.gyro_noise_density, of(answer.noise, 0));
+    correction_.noise.accel[axis] = added_variance(noise_.accel_noise_density, of(answer.noise, 1));
     correction_.edge_noise.gyro[axis] =
-        variance(noise_.gyro_noise_density, of(answer.edge_noise, 0));
+        added_variance(noise_.gyro_noise_density, of(answer.edge_noise, 0));
     correction_.edge_noise.accel[axis] =
-        variance(noise_.accel_noise_density, of(answer.edge_noise, 1));
+        added_variance(noise_.accel_noise_density, of(answer.edge_noise, 1));
     correction_.sigma.gyro[axis] =
         std::min(std::exp(of(answer.log_sigma, 0)), kMostSigma * noise_.gyro_bias_sigma);
     correction_.sigma.accel[axis] =

@@ -16,6 +16,9 @@ struct ImuNoiseVariance {
   Eigen::Vector3d accel = Eigen::Vector3d::Zero();  ///< [(m/s^2)^2/Hz]
 };
 
+/// Density squared of noise that is e^log_ratio times as dense as the datasheet's.
+double added_variance(double datasheet_density, double log_ratio);
+
 /// What the network last said, in numbers; holds from `time_ns` on.
 struct ImuCorrection {
   std::int64_t time_ns = 0;

@@ -3,25 +3,16 @@
 #include <utility>
 
 #include "slam/base/config.hpp"
-#include "slam/base/error.hpp"
 #include "slam/base/random.hpp"
-#include "slam/nn/weights_io.hpp"
+#include "slam/nn/shipped_file.hpp"
 
 namespace imslam::imu {
 namespace {
 
-constexpr const char* kShippedName = "imu_network.safetensors (shipped)";
-
-nn::WeightsFile read_weights(const std::string& file) {
-  if (!file.empty()) return nn::WeightsFile::read(file);
-  std::optional<std::string> shipped = shipped_imu_weights();
-  if (shipped) return nn::WeightsFile::parse(kShippedName, std::move(*shipped));
-  throw InputError(
-      "the learned IMU correction has no weights: this program was built without "
-      "imu_net/weights/imu_network.safetensors; train them with `imslam train imu` and give the "
-      "file with --set imu_network.weights=FILE, or use --imu raw",
-      ExitCode::kModel);
-}
+constexpr const char* kWithout =
+    "the learned IMU correction has no weights: this program was built without "
+    "imu_net/weights/imu_network.safetensors; train them with `imslam train imu` and give the "
+    "file with --set imu_network.weights=FILE, or use --imu raw";
 
 }  // namespace
 
@@ -33,7 +24,8 @@ void ImuNetworkOptions::describe(Config& config) {
 }
 
 TrainedImuNetwork load_imu_network(const std::string& file) {
-  const nn::WeightsFile weights = read_weights(file);
+  const nn::WeightsFile weights =
+      nn::read_or_shipped(file, shipped_imu_weights(), "imu_network.safetensors", kWithout);
   Random random(0);  // every number that it draws is replaced
   auto network = std::make_shared<ImuNetwork<float>>(ImuNetworkSizes(), random);
   nn::ParameterList<float> parameters;

@@ -2,30 +2,22 @@
 
 #include <utility>
 
-#include "slam/base/error.hpp"
 #include "slam/base/random.hpp"
-#include "slam/nn/weights_io.hpp"
+#include "slam/nn/shipped_file.hpp"
 
 namespace imslam::vo {
 namespace {
 
-constexpr const char* kShippedName = "pose_head.safetensors (shipped)";
-
-nn::WeightsFile read_weights(const std::string& file) {
-  if (!file.empty()) return nn::WeightsFile::read(file);
-  std::optional<std::string> shipped = shipped_pose_head();
-  if (shipped) return nn::WeightsFile::parse(kShippedName, std::move(*shipped));
-  throw InputError(
-      "vo.head: regression has no weights: this program was built without "
-      "vo_net/weights/pose_head.safetensors; train them with `imslam train pose_head` and give the "
-      "file with --set vo.regression.weights=FILE, or use --set vo.head=geometric",
-      ExitCode::kModel);
-}
+constexpr const char* kWithout =
+    "vo.head: regression has no weights: this program was built without "
+    "vo_net/weights/pose_head.safetensors; train them with `imslam train pose_head` and give the "
+    "file with --set vo.regression.weights=FILE, or use --set vo.head=geometric";
 
 }  // namespace
 
 TrainedPoseHead load_pose_head(const std::string& file) {
-  const nn::WeightsFile weights = read_weights(file);
+  const nn::WeightsFile weights =
+      nn::read_or_shipped(file, shipped_pose_head(), "pose_head.safetensors", kWithout);
   Random random(0);  // every number that it draws is replaced
   auto network = std::make_shared<PoseHead<float>>(PoseHeadSizes(), random);
   nn::ParameterList<float> parameters;
