@@ -28,6 +28,7 @@ void add_check_command(CLI::App& app, Action& action);
 void add_simulate_command(CLI::App& app, Action& action, const CommonOptions& common);
 void add_report_command(CLI::App& app, Action& action);
 void add_config_command(CLI::App& app, Action& action);
+void add_finetune_command(CLI::App& app, Action& action, const CommonOptions& common);
 void add_imu_command(CLI::App& app, Action& action);
 void add_model_command(CLI::App& app, Action& action);
 void add_train_command(CLI::App& app, Action& action, const CommonOptions& common);

@@ -77,6 +77,7 @@ int execute(int argc, char** argv) {
   add_simulate_command(app, action, common);
   add_report_command(app, action);
   add_config_command(app, action);
+  add_finetune_command(app, action, common);
   add_imu_command(app, action);
   add_model_command(app, action);
   add_train_command(app, action, common);

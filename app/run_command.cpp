@@ -9,15 +9,15 @@
 
 #include "app/command.hpp"
 #include "app/default_sequence.hpp"
+#include "app/frame_range.hpp"
 #include "app/interrupt.hpp"
+#include "app/provenance.hpp"
 #include "app/settings.hpp"
-#include "app/version.hpp"
 #include "datasets/check.hpp"
 #include "datasets/open_sequence.hpp"
 #include "slam/base/file.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/progress.hpp"
-#include "slam/base/text.hpp"
 #include "slam/system/run_folder.hpp"
 #include "slam/system/run_recorder.hpp"
 #include "slam/system/run_sequence.hpp"
@@ -50,24 +50,6 @@ struct RunArguments {
   ConfigLayers layers;
 };
 
-/// "A:B", "A:" or ":B"; B is not included.
-void parse_frames(const std::string& text, system::RunRequest& request) {
-  if (text.empty()) return;
-  const auto parts = split(text, ':');
-  const auto number = [&](std::string_view part) -> std::size_t {
-    if (trim(part).empty()) return 0;
-    const auto value = parse_int64(part);
-    if (!value || *value < 0) {
-      throw InputError(fmt::format("--frames: expected A:B with whole numbers, got '{}'", text),
-                       ExitCode::kUsage);
-    }
-    return static_cast<std::size_t>(*value);
-  };
-  if (parts.size() != 2) number("?");
-  request.first_frame = number(parts[0]);
-  request.last_frame = number(parts[1]);
-}
-
 void apply_flags(const RunArguments& arguments, Settings& settings) {
   Config& config = settings.config();
   if (!arguments.front_end.empty()) {
@@ -76,19 +58,6 @@ void apply_flags(const RunArguments& arguments, Settings& settings) {
   if (!arguments.imu.empty()) config.set("system.imu=" + arguments.imu, "--imu");
   if (arguments.seed >= 0) config.set(fmt::format("system.seed={}", arguments.seed), "--seed");
   settings.validate();
-}
-
-system::RunProvenance provenance(const Settings& settings,
-                                 const datasets::Sequence& sequence,
-                                 const CommonOptions& common) {
-  system::RunProvenance result;
-  result.version = version_text();
-  result.git_hash = git_hash();
-  result.command_line = common.command_line;
-  result.seed = static_cast<std::uint64_t>(settings.slam().system.seed);
-  result.config_yaml = settings.config().to_yaml();
-  result.input_files = sequence.input_files();
-  return result;
 }
 
 /// Exchanged images give a mirrored world: better no result than that one.
@@ -127,7 +96,7 @@ ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
   const auto outcome = system::run_sequence(*sequence, settings.slam(), request);
   bar.clear();
   system::record_run(folder.path(), outcome.result, outcome.summary,
-                     provenance(settings, *sequence, common), sequence->camera(),
+                     provenance_of(settings, *sequence, common), sequence->camera(),
                      outcome.evaluation, settings.slam().system.map_voxel_m);
   folder.publish();
   if (arguments.out.empty()) system::update_latest_link(folder.path());

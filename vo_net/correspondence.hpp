@@ -25,6 +25,13 @@ struct Correspondence {
   double weight = 1.0;                                             ///< confidence in [0, 1]
 
   std::int64_t track_id = -1;  ///< the same point over several frames, -1 unknown
+
+  /// Which numbers are a network's own answers, which can learn; the others were fitted to pixels.
+  struct Learned {
+    bool left1 = false;
+    bool disparity0 = false;
+    bool disparity1 = false;
+  } learned;
 };
 
 using Correspondences = std::vector<Correspondence>;

@@ -81,16 +81,14 @@ class LearnedMatcher::State {
 
   Arrivals follow(const Eigen::Vector2d& predicted);
   Arrivals follow(const lie::SE3d& T_left1_left0);
-  /// And whether it was polished.
-  std::pair<Arrival, bool> refine_flow(const Eigen::Vector2d& left0,
-                                       const NetworkAnswer& answer) const;
+  Arrival refine_flow(const Eigen::Vector2d& left0, const NetworkAnswer& answer) const;
   std::vector<Eigen::Vector2d> new_points(const std::vector<Eigen::Vector2d>& taken) const;
   std::vector<std::optional<Track>> measure_depth(const std::vector<Eigen::Vector2d>& left);
   Disparity refine_disparity(const Eigen::Vector2d& left, const NetworkAnswer& answer) const;
   void move_tracks(const Arrivals& arrivals, FrameMatch& match);
 
   int shrink() const;
-  void judge_effort(std::size_t polished, std::size_t arrived);
+  void judge_effort(const Arrivals& arrivals);
 
   MatchInference inference_;
   MatchPolish polish_;
@@ -99,6 +97,7 @@ class LearnedMatcher::State {
   ImagePyramid right_;
   std::int64_t time_ns_ = 0;  // of the newest frame
   std::int64_t time_before_ns_ = 0;
+  MatchSearch search_;    // of the newest frame
   bool is_hard_ = false;  // the network's own answers count, not only where they lead to
   int frames_ = 0;
   std::vector<Track> tracks_;
@@ -111,35 +110,36 @@ int LearnedMatcher::State::shrink() const {
   return (camera.width + widest - 1) / widest;
 }
 
-void LearnedMatcher::State::judge_effort(std::size_t polished, std::size_t arrived) {
+void LearnedMatcher::State::judge_effort(const Arrivals& arrivals) {
+  const auto arrived = std::count_if(arrivals.begin(), arrivals.end(),
+                                     [](const auto& a) { return a.has_value(); });
+  const auto polished = std::count_if(arrivals.begin(), arrivals.end(),
+                                      [](const auto& a) { return a && !a->learned; });
   const double share =
       arrived == 0 ? 0.0 : static_cast<double>(polished) / static_cast<double>(arrived);
   is_hard_ = share < (is_hard_ ? kEasyAgain : kHard);
 }
 
-std::pair<Arrival, bool> LearnedMatcher::State::refine_flow(const Eigen::Vector2d& left0,
-                                                            const NetworkAnswer& answer) const {
+Arrival LearnedMatcher::State::refine_flow(const Eigen::Vector2d& left0,
+                                           const NetworkAnswer& answer) const {
   const auto better = polish_.polish(left_before_, left0, left_, answer);
-  if (better) return {{better->position, better->covariance, answer.confidence}, true};
-  return {{left0 + answer.displacement, answer.covariance, answer.confidence}, false};
+  if (better) return {better->position, better->covariance, answer.confidence, false};
+  return {left0 + answer.displacement, answer.covariance, answer.confidence, true};
 }
 
 LearnedMatcher::State::Arrivals LearnedMatcher::State::follow(const Eigen::Vector2d& predicted) {
   std::vector<Eigen::Vector2d> points;
   for (const Track& track : tracks_) points.push_back(track.left);
   const std::vector<NetworkAnswer> answers = inference_.flow(points, predicted);
+  search_.predicted = predicted;
   Arrivals arrivals(tracks_.size());
-  std::vector<char> is_polished(tracks_.size(), 0);
   parallel_points(tracks_.size(), [&](std::size_t i) {
     if (answers[i].confidence < options.min_confidence) return;
-    const auto [arrival, polished] = refine_flow(points[i], answers[i]);
+    const Arrival arrival = refine_flow(points[i], answers[i]);
     if (!is_inside(camera, arrival.left) || !polish_.shows_something(left_, arrival.left)) return;
     arrivals[i] = arrival;
-    is_polished[i] = polished ? 1 : 0;
   });
-  judge_effort(static_cast<std::size_t>(std::count(is_polished.begin(), is_polished.end(), 1)),
-               static_cast<std::size_t>(std::count_if(
-                   arrivals.begin(), arrivals.end(), [](const auto& a) { return a.has_value(); })));
+  judge_effort(arrivals);
   return arrivals;
 }
 
@@ -159,6 +159,7 @@ LearnedMatcher::State::Arrivals LearnedMatcher::State::follow(const lie::SE3d& T
   if (few && predicted.norm() > CoarseMatcher<float>::kStride) {
     Arrivals at_rest = follow(Eigen::Vector2d(Eigen::Vector2d::Zero()));
     if (survivors(at_rest) > survivors(arrivals)) return at_rest;
+    search_.predicted = predicted;
   }
   return arrivals;
 }
@@ -182,9 +183,9 @@ Disparity LearnedMatcher::State::refine_disparity(const Eigen::Vector2d& left,
   const auto better = polish_.polish(left_, left, right_, along_row);
   if (better && std::abs(better->position.y() - left.y()) <= options.max_row_error) {
     return {left.x() - better->position.x(), better->covariance(0, 0),
-            better->position.y() - left.y()};
+            better->position.y() - left.y(), false};
   }
-  return {-answer.displacement.x(), answer.covariance(0, 0), 0.0};
+  return {-answer.displacement.x(), answer.covariance(0, 0), 0.0, true};
 }
 
 std::vector<std::optional<Track>> LearnedMatcher::State::measure_depth(
@@ -239,12 +240,14 @@ MatchResult LearnedMatcher::State::match(const StereoFrame& frame, const lie::SE
   tracks_before_ = tracks_;
   left_.build(frame.left, kLevels, options.smoothing);
   right_.build(frame.right, kLevels, options.smoothing);
-  inference_.advance(frame.left, frame.right, shrink());
+  search_ = {Eigen::Vector2d::Zero(), shrink()};
+  inference_.advance(frame.left, frame.right, search_.shrink);
 
   MatchResult result;
   result.previous.time0_ns = time_before_ns_;
   Arrivals arrivals;
   if (frames_ > 0) arrivals = follow(T_left0_left1.inverse());
+  result.previous.search = search_;
   move_tracks(arrivals, result.previous);
   for (const Track& track : tracks_) {
     result.points.push_back(make_stereo_point(track, options.sigma_floor));

@@ -6,6 +6,7 @@
 
 #include "slam/base/error.hpp"
 #include "slam/base/parallel.hpp"
+#include "vo_net/network_pixels.hpp"
 
 namespace imslam::vo {
 namespace {
@@ -14,27 +15,6 @@ using nn::Index;
 using nn::Var;
 
 constexpr std::size_t kPointsPerTape = 100;  // pieces that do not depend on the number of threads
-constexpr double kVarianceOfScale = 3.0;     // nu / (nu - 2) of Student's t with nu = 3
-
-/// Means of squares of shrink x shrink pixels; what is left over at the right and below is cut off.
-void write_pixels(const GrayImage& image, int shrink, Index height, Index width, float* to) {
-  if (shrink == 1) {
-    std::copy(image.pixels.begin(), image.pixels.end(), to);
-    return;
-  }
-  const float share = 1.0F / static_cast<float>(shrink * shrink);
-  for (int i = 0; i < height; ++i) {
-    for (int j = 0; j < width; ++j) {
-      int sum = 0;
-      for (int row = i * shrink; row < (i + 1) * shrink; ++row) {
-        for (int column = j * shrink; column < (j + 1) * shrink; ++column) {
-          sum += image.at(row, column);
-        }
-      }
-      *to++ = static_cast<float>(sum) * share;
-    }
-  }
-}
 
 /// The features of one tape for use on another.
 FeaturePyramid borrow(nn::Tape<float>& tape,
@@ -80,7 +60,7 @@ void MatchInference::encode(Encoded& encoded) const {
   const Index height = encoded.image.height / shrink_;
   const Index width = encoded.image.width / shrink_;
   const Var pixels = encoded.tape.make({1, height, width, 1});
-  write_pixels(encoded.image, shrink_, height, width, encoded.tape.data(pixels));
+  write_network_pixels(encoded.image, shrink_, height, width, encoded.tape.data(pixels));
   encoded.features = network_->encode(encoded.tape, pixels);
   encoded.shrink = shrink_;
 }
@@ -156,7 +136,7 @@ void MatchInference::match_some(const Pair& pair,
                                 NetworkAnswer* answers) const {
   tape.reset();
   const Var places = tape.make({1, count, 2});
-  const double middle = 0.5 * (shrink_ - 1);  // of the pixels that one pixel of the network covers
+  const double middle = network_origin(shrink_);
   for (Index i = 0; i < count; ++i) {
     const Eigen::Vector2d place = (points[i].array() - middle) / shrink_;
     Eigen::Map<Eigen::Vector2f>(tape.data(places) + 2 * i) = place.cast<float>();

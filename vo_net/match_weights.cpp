@@ -15,7 +15,7 @@ constexpr const char* kWithout =
 
 }  // namespace
 
-TrainedMatchNetwork load_match_network(const std::string& file) {
+TrainedMatchNetwork load_match_network(const std::string& file, MatchUse use) {
   const nn::WeightsFile weights =
       nn::read_or_shipped(file, shipped_match_weights(), "match_network.safetensors", kWithout);
   Random random(0);  // every number that it draws is replaced
@@ -23,7 +23,8 @@ TrainedMatchNetwork load_match_network(const std::string& file) {
   nn::ParameterList<float> parameters;
   network->collect(parameters);
   nn::load_parameters(weights, parameters);
-  network->fold();
+  if (use == MatchUse::kInference) network->fold();
+  network->freeze_norms(true);
   nn::ModelCard card = weights.card();
   card.sha256 = weights.data_sha256();
   return {std::move(network), weights.name(), std::move(card)};

@@ -19,10 +19,17 @@ struct StereoPoint {
   std::int64_t track_id = -1;
 };
 
+/// Where and how finely a network searched: with its images all that its answers depend on.
+struct MatchSearch {
+  Eigen::Vector2d predicted = Eigen::Vector2d::Zero();  ///< [px] displacement it was centred on
+  int shrink = 1;                                       ///< [px] of the image per pixel it saw
+};
+
 /// Correspondences between the frame taken at time0_ns and the newest one.
 struct FrameMatch {
   std::int64_t time0_ns = 0;
   Correspondences correspondences;
+  MatchSearch search;  ///< of the learned matcher
 };
 
 /// What a matcher finds in a new frame.

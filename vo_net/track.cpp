@@ -39,6 +39,7 @@ Correspondence make_correspondence(const Track& before,
   c.disparity1_information = information(now.disparity.variance, sigma_floor);
   c.weight = std::min({before.confidence, left1.confidence, now.confidence});
   c.track_id = before.id;
+  c.learned = {left1.learned, before.disparity.learned, now.disparity.learned};
   return c;
 }
 

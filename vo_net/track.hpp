@@ -15,6 +15,7 @@ struct Disparity {
   double value = 0.0;      ///< [px]
   double variance = 1.0;   ///< [px^2]
   double row_error = 0.0;  ///< [px] v_right - v_left, 0 for perfect rectification
+  bool learned = false;    ///< the answer of a network, not a fit to pixels
 };
 
 /// A point that lives in the newest frame.
@@ -30,6 +31,7 @@ struct Arrival {
   Eigen::Vector2d left = Eigen::Vector2d::Zero();            ///< [px]
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [px^2]
   double confidence = 1.0;                                   ///< [1] that it is the same point
+  bool learned = false;                                      ///< the answer of a network
 };
 
 /// [u v disparity] after the motion; the point itself where it would be behind the camera.

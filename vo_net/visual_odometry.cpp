@@ -47,6 +47,8 @@ void VoOptions::describe(Config& config) {
   config.section("offset", offset);
   config.field("shared_error", shared_error,
                "share of the matching variance that all points have in common [1]");
+  config.field("motion_noise", motion_noise,
+               "file of a network that corrects covariances; empty: none");
 }
 
 void VoOptions::validate() const {
@@ -64,14 +66,22 @@ VisualOdometry::VisualOdometry(const VoOptions& options, const StereoCamera& cam
 VisualOdometry::VisualOdometry(const VoOptions& options,
                                const StereoCamera& camera,
                                std::unique_ptr<Matcher> matcher)
-    : VisualOdometry(options, camera, std::move(matcher), nullptr) {}
+    : VisualOdometry(options, camera, std::move(matcher), nullptr, nullptr) {}
 
 VisualOdometry::VisualOdometry(const VoOptions& options,
                                const StereoCamera& camera,
                                std::unique_ptr<Matcher> matcher,
-                               std::shared_ptr<const PoseHead<float>> pose_head)
-    : options_(options), camera_(camera), matcher_(std::move(matcher)), offset_(options.offset) {
+                               std::shared_ptr<const PoseHead<float>> pose_head,
+                               std::shared_ptr<const MotionNoise<float>> motion_noise)
+    : options_(options),
+      camera_(camera),
+      matcher_(std::move(matcher)),
+      motion_noise_(std::move(motion_noise)),
+      offset_(options.offset) {
   options_.validate();
+  if (!motion_noise_ && !options.motion_noise.empty()) {
+    motion_noise_ = load_motion_noise(options.motion_noise).network;
+  }
   expects(matcher_ != nullptr, "VisualOdometry: needs a matcher");
   if (options_.head != "regression") return;
   if (!pose_head) pose_head = load_pose_head(options_.regression.weights).network;
@@ -88,6 +98,7 @@ lie::SE3d VisualOdometry::predict(std::int64_t time_ns,
 }
 
 RelativeMotion VisualOdometry::to_motion(const PoseLayerResult& pose,
+                                         const Correspondences& correspondences,
                                          std::int64_t time0_ns,
                                          std::int64_t time1_ns) const {
   RelativeMotion motion;
@@ -101,6 +112,11 @@ RelativeMotion VisualOdometry::to_motion(const PoseLayerResult& pose,
   // What a network says of its errors is the whole; the pose layer takes points for independent.
   const double shared = regression_ ? 0.0 : options_.shared_error;
   motion.covariance = pose.covariance * (1.0 + shared * static_cast<double>(pose.inliers));
+  if (motion_noise_) {
+    const auto features = motion_noise_features(pose, correspondences, camera_);
+    const Eigen::Matrix<double, 6, 1> factors = noise_factors(*motion_noise_, features);
+    motion.covariance = factors.asDiagonal() * motion.covariance * factors.asDiagonal();
+  }
   motion.J_disparity_offset = pose.J_disparity_offset;
   motion.J_focal_error = pose.J_focal_error;
   return motion;
@@ -115,7 +131,8 @@ void VisualOdometry::add_skip_motions(const MatchResult& match,
                          std::max(1e-3, to_seconds(time_ns - output.motion.time0_ns));
     const lie::SE3d start = lie::SE3d::exp(output.motion.T_body0_body1.log() * ratio);
     const PoseLayerResult pose = motion_of(earlier.correspondences, start);
-    if (pose.valid) motions.push_back(to_motion(pose, earlier.time0_ns, time_ns));
+    if (!pose.valid) continue;
+    motions.push_back(to_motion(pose, earlier.correspondences, earlier.time0_ns, time_ns));
   }
 }
 
@@ -135,6 +152,7 @@ VoOutput VisualOdometry::process(const StereoFrame& frame,
   if (has_anchor) solve(match, predicted, output);
   output.timings.solve_s = watch.seconds();
   output.points = std::move(match.points);
+  output.search = match.previous.search;
   output.correspondences = std::move(match.previous.correspondences);
   if (!output.motion.valid && is_poor(output.points.size())) {
     matcher_->forget_newest();
@@ -160,7 +178,7 @@ void VisualOdometry::solve(const MatchResult& match, const lie::SE3d& predicted,
   const std::int64_t time_ns = output.motion.time1_ns;
   output.tracked = static_cast<int>(correspondences.size());
   output.pose = motion_of(correspondences, predicted);
-  output.motion = to_motion(output.pose, anchor_time_ns_, time_ns);
+  output.motion = to_motion(output.pose, correspondences, anchor_time_ns_, time_ns);
   if (!output.motion.valid) return;
   offset_.add(output.pose);
   matcher_->drop(outlier_tracks(correspondences, output.pose));

@@ -14,6 +14,7 @@
 #include "vo_net/klt_matcher.hpp"
 #include "vo_net/learned_options.hpp"
 #include "vo_net/matcher.hpp"
+#include "vo_net/motion_noise.hpp"
 #include "vo_net/pose_layer.hpp"
 #include "vo_net/regression_odometry.hpp"
 
@@ -29,6 +30,7 @@ struct VoOptions {
   /// [1] share of the matching variance that all points have in common (lens model, blur): it does
   /// not average out, so n points count as n / (1 + shared_error n). Of the geometric head.
   double shared_error = 0.15;
+  std::string motion_noise;  ///< file of a MotionNoise that corrects covariances; empty: none
 
   void describe(Config& config);
   void validate() const;
@@ -53,6 +55,7 @@ struct VoOutput {
   std::vector<StereoPoint> points;           ///< of this frame
   PoseLayerResult pose;                      ///< behind `motion`; index as correspondences
   Correspondences correspondences;
+  MatchSearch search;  ///< behind them
   int tracked = 0;
   VoTimings timings;
 };
@@ -72,11 +75,13 @@ class VisualOdometry {
   VisualOdometry(const VoOptions& options,
                  const StereoCamera& camera,
                  std::unique_ptr<Matcher> matcher);
-  /// And with a pose head, for options.head = regression.
+  /// And with a pose head, for options.head = regression, and the noise of motions; both may be
+  /// null: then the options say whether there are any.
   VisualOdometry(const VoOptions& options,
                  const StereoCamera& camera,
                  std::unique_ptr<Matcher> matcher,
-                 std::shared_ptr<const PoseHead<float>> pose_head);
+                 std::shared_ptr<const PoseHead<float>> pose_head,
+                 std::shared_ptr<const MotionNoise<float>> motion_noise = nullptr);
   ~VisualOdometry();
 
   VoOutput process(const StereoFrame& frame, const std::optional<MotionPrior>& prior = {});
@@ -98,6 +103,7 @@ class VisualOdometry {
   void solve(const MatchResult& match, const lie::SE3d& predicted, VoOutput& output);
   bool is_poor(std::size_t points) const;
   RelativeMotion to_motion(const PoseLayerResult& pose,
+                           const Correspondences& correspondences,
                            std::int64_t time0_ns,
                            std::int64_t time1_ns) const;
   void add_skip_motions(const MatchResult& match,
@@ -109,6 +115,7 @@ class VisualOdometry {
   StereoCamera camera_;
   std::unique_ptr<Matcher> matcher_;
   std::optional<RegressionHead> regression_;  ///< none: the geometric head
+  std::shared_ptr<const MotionNoise<float>> motion_noise_;  ///< null: covariances as they are
   DisparityOffsetEstimator offset_;
   double disparity_offset_ = 0.0;
 

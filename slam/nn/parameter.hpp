@@ -16,18 +16,23 @@ struct Parameter {
   explicit Parameter(const Shape& shape, bool train = true) : value(shape), trainable(train) {}
   // A copied network is another network: tensors alone would share their numbers.
   Parameter(const Parameter& other)
-      : name(other.name), value(other.value.clone()), trainable(other.trainable) {}
+      : name(other.name),
+        value(other.value.clone()),
+        trainable(other.trainable),
+        rate_factor(other.rate_factor) {}
   Parameter(Parameter&&) = default;
   Parameter& operator=(Parameter other) {
     std::swap(name, other.name);
     std::swap(value, other.value);
     std::swap(trainable, other.trainable);
+    std::swap(rate_factor, other.rate_factor);
     return *this;
   }
 
   std::string name;  ///< "encoder.conv1.weight": set by ParameterList::add
   Tensor<S> value;
-  bool trainable = true;  ///< false: frozen, or a statistic that no gradient reaches
+  bool trainable = true;     ///< false: frozen, or a statistic that no gradient reaches
+  double rate_factor = 1.0;  ///< learning rate beside that of the others
 };
 
 /// All parameters of a network in a fixed order, with the names that they bear in weight files.

@@ -12,38 +12,44 @@ namespace imslam::system {
 
 namespace {
 
-void add_matcher(const SlamOptions& options, const StereoCamera& camera, FrontEnd& front_end) {
-  if (options.system.front_end == "klt") {
-    front_end.matcher = std::make_unique<vo::KltMatcher>(options.vo.klt, camera);
-    return;
-  }
-  vo::TrainedMatchNetwork trained = vo::load_match_network(options.vo.learned.weights);
-  front_end.matcher =
-      std::make_unique<vo::LearnedMatcher>(options.vo.learned, camera, std::move(trained.network));
-  front_end.models.push_back({"match_network", std::move(trained.file), std::move(trained.card)});
-}
-
-void add_head(const SlamOptions& options, FrontEnd& front_end) {
-  if (options.vo.head != "regression") return;
-  vo::TrainedPoseHead trained = vo::load_pose_head(options.vo.regression.weights);
-  front_end.pose_head = std::move(trained.network);
-  front_end.models.push_back({"pose_head", std::move(trained.file), std::move(trained.card)});
-}
-
-void add_imu_network(const SlamOptions& options, FrontEnd& front_end) {
-  if (options.system.imu != "learned") return;
-  imu::TrainedImuNetwork trained = imu::load_imu_network(options.imu_network.weights);
-  front_end.imu_network = std::move(trained.network);
-  front_end.models.push_back({"imu_network", std::move(trained.file), std::move(trained.card)});
+/// The network at hand, or the trained one that `load` reads; that one is put on record.
+template <typename Network, typename Load>
+std::shared_ptr<Network> network_of(const std::shared_ptr<Network>& at_hand,
+                                    const char* name,
+                                    const Load& load,
+                                    FrontEnd& front_end) {
+  if (at_hand) return at_hand;
+  auto trained = load();
+  front_end.models.push_back({name, std::move(trained.file), std::move(trained.card)});
+  return std::move(trained.network);
 }
 
 }  // namespace
 
-FrontEnd make_front_end(const SlamOptions& options, const StereoCamera& camera) {
+FrontEnd make_front_end(const SlamOptions& options,
+                        const StereoCamera& camera,
+                        const Networks* networks) {
+  const Networks given = networks != nullptr ? *networks : Networks();
   FrontEnd front_end;
-  add_matcher(options, camera, front_end);
-  add_head(options, front_end);
-  add_imu_network(options, front_end);
+  if (options.system.front_end == "klt") {
+    front_end.matcher = std::make_unique<vo::KltMatcher>(options.vo.klt, camera);
+  } else {
+    const auto load = [&] { return vo::load_match_network(options.vo.learned.weights); };
+    front_end.matcher = std::make_unique<vo::LearnedMatcher>(
+        options.vo.learned, camera, network_of(given.match, "match_network", load, front_end));
+  }
+  if (options.vo.head == "regression") {
+    const auto load = [&] { return vo::load_pose_head(options.vo.regression.weights); };
+    front_end.pose_head = network_of(given.pose_head, "pose_head", load, front_end);
+  }
+  if (given.motion_noise || !options.vo.motion_noise.empty()) {
+    const auto load = [&] { return vo::load_motion_noise(options.vo.motion_noise); };
+    front_end.motion_noise = network_of(given.motion_noise, "motion_noise", load, front_end);
+  }
+  if (options.system.imu == "learned") {
+    const auto load = [&] { return imu::load_imu_network(options.imu_network.weights); };
+    front_end.imu_network = network_of(given.imu_network, "imu_network", load, front_end);
+  }
   return front_end;
 }
 

@@ -8,7 +8,9 @@
 #include "slam/nn/model_card.hpp"
 #include "slam/sensors/calibration.hpp"
 #include "slam/system/slam_options.hpp"
+#include "vo_net/match_network.hpp"
 #include "vo_net/matcher.hpp"
+#include "vo_net/motion_noise.hpp"
 #include "vo_net/pose_head.hpp"
 
 namespace imslam::system {
@@ -22,14 +24,25 @@ struct ModelRecord {
 
 struct FrontEnd {
   std::unique_ptr<vo::Matcher> matcher;
-  std::shared_ptr<const vo::PoseHead<float>> pose_head;       ///< none: the geometric head
-  std::shared_ptr<const imu::ImuNetwork<float>> imu_network;  ///< none: raw readings
+  std::shared_ptr<const vo::PoseHead<float>> pose_head;         ///< none: the geometric head
+  std::shared_ptr<const vo::MotionNoise<float>> motion_noise;   ///< none: covariances as they are
+  std::shared_ptr<const imu::ImuNetwork<float>> imu_network;    ///< none: raw readings
   std::vector<ModelRecord> models;
 };
 
+/// Networks that are used instead of those that the options name, e.g. while they learn.
+struct Networks {
+  std::shared_ptr<vo::MatchNetwork<float>> match;  ///< folded: for inference only
+  std::shared_ptr<const vo::PoseHead<float>> pose_head;
+  std::shared_ptr<const vo::MotionNoise<float>> motion_noise;
+  std::shared_ptr<const imu::ImuNetwork<float>> imu_network;
+};
+
 /// The matcher that options.system.front_end names, the head that options.vo.head names, the IMU
-/// network if options.system.imu asks for it. Throws InputError(kModel) if they need weights and
-/// there are none.
-FrontEnd make_front_end(const SlamOptions& options, const StereoCamera& camera);
+/// network if options.system.imu asks for it; those of `networks` (may be null) come first. Throws
+/// InputError(kModel) if they need weights and there are none.
+FrontEnd make_front_end(const SlamOptions& options,
+                        const StereoCamera& camera,
+                        const Networks* networks = nullptr);
 
 }  // namespace imslam::system

@@ -100,7 +100,7 @@ void check_request(const datasets::Sequence& sequence,
                    const RunRequest& request) {
   const FrameRange range = frame_range(sequence, request);
   if (options.system.imu != "off" && sequence.imu()) expect_imu_covers_frames(sequence, range);
-  make_front_end(options, sequence.camera());  // throws if there are no weights
+  make_front_end(options, sequence.camera(), request.networks);  // throws without weights
 }
 
 RunOutcome run_sequence(datasets::Sequence& sequence,
@@ -113,7 +113,8 @@ RunOutcome run_sequence(datasets::Sequence& sequence,
   if (inertial) noise = sequence.imu()->noise;
 
   const auto start = std::chrono::steady_clock::now();
-  SlamSystem slam(options, sequence.camera(), noise);
+  SlamSystem slam(options, sequence.camera(), noise, request.networks);
+  slam.observe(request.observe);
   ImuFeed imu(inertial ? &sequence.imu()->samples : nullptr, sequence.frame_time_ns(range.first),
               slam);
   datasets::FrameReader reader(sequence, range.first, range.last);

@@ -9,6 +9,7 @@
 #include "slam/system/run_metrics.hpp"
 #include "slam/system/slam_options.hpp"
 #include "slam/system/slam_result.hpp"
+#include "slam/system/slam_system.hpp"
 
 namespace imslam::system {
 
@@ -18,6 +19,8 @@ struct RunRequest {
   std::size_t last_frame = 0;  ///< not included; 0: all
   /// Called after each frame; false stops in good order: what was seen so far is the result.
   std::function<bool(std::size_t done, std::size_t total)> keep_going;
+  FrameObserver observe;               ///< told about each frame; may be empty
+  const Networks* networks = nullptr;  ///< instead of those that the options name; see there
 };
 
 struct RunOutcome {

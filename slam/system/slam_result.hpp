@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pgo/graph_data.hpp"
+#include "pgo/options.hpp"
 #include "slam/base/solve_report.hpp"
 #include "slam/sensors/trajectory.hpp"
 #include "slam/system/front_end.hpp"
@@ -51,6 +52,7 @@ struct SlamResult {
   Trajectory vo_only;  ///< the odometry alone, laid onto the first pose of `graph`
   Trajectory online;   ///< what the sliding window knew at each frame; empty if it was off
   pgo::GraphData graph_data;
+  pgo::GraphOptions graph_options;
   SolveReport solve;
   bool inertial = false;       ///< the IMU took part in the graph
   bool tracking_lost = false;  ///< most of the frames were not measured

@@ -26,7 +26,11 @@ class SlamSystem::State {
         FrontEnd front_end)
       : options_(options),
         camera_(camera),
-        odometry_(options.vo, camera, std::move(front_end.matcher), std::move(front_end.pose_head)),
+        odometry_(options.vo,
+                  camera,
+                  std::move(front_end.matcher),
+                  std::move(front_end.pose_head),
+                  std::move(front_end.motion_noise)),
         online_(options),
         map_sampler_(camera, options.system),
         inertial_(imu_noise.has_value()) {
@@ -77,6 +81,8 @@ class SlamSystem::State {
 
   SlamResult finish();
 
+  FrameObserver observer;
+
  private:
   FrameReport see(const StereoFrame& frame) {
     vo::VoOutput seen;
@@ -85,6 +91,7 @@ class SlamSystem::State {
       seen = odometry_.process(frame, predict(frame.time_ns));
     }
     count(frame, seen);
+    if (observer) observer(frame, seen);
     const bool vision = seen.motion.valid;
     if (vision) measurements_.odometry.push_back(seen.motion);
     for (const RelativeMotion& skip : seen.skip_motions) {
@@ -208,6 +215,7 @@ SlamResult SlamSystem::State::finish() {
   result_.counters.imu_gaps =
       static_cast<std::size_t>(std::count(batch.imu_gap.begin(), batch.imu_gap.end(), true));
   result_.graph_data = std::move(batch.graph);
+  result_.graph_options = batch.graph_options;
   result_.solve = batch.report;
   result_.inertial = batch.inertial;
   result_.disparity_offset_px = batch.disparity_offset_px;
@@ -224,9 +232,12 @@ SlamResult SlamSystem::State::finish() {
 
 SlamSystem::SlamSystem(const SlamOptions& options,
                        const StereoCamera& camera,
-                       const std::optional<ImuNoise>& imu_noise)
-    : state_(std::make_unique<State>(options, camera, imu_noise, make_front_end(options, camera))) {
-}
+                       const std::optional<ImuNoise>& imu_noise,
+                       const Networks* networks)
+    : state_(std::make_unique<State>(options,
+                                     camera,
+                                     imu_noise,
+                                     make_front_end(options, camera, networks))) {}
 
 SlamSystem::~SlamSystem() = default;
 
@@ -237,6 +248,8 @@ void SlamSystem::add_earlier_imu(const ImuSample& sample) { state_->add_earlier_
 SlamSystem::FrameReport SlamSystem::process(const StereoFrame& frame) {
   return state_->process(frame);
 }
+
+void SlamSystem::observe(FrameObserver observer) { state_->observer = std::move(observer); }
 
 SlamResult SlamSystem::finish() { return state_->finish(); }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -7,10 +8,14 @@
 #include "slam/sensors/calibration.hpp"
 #include "slam/sensors/imu.hpp"
 #include "slam/sensors/stereo.hpp"
+#include "slam/system/front_end.hpp"
 #include "slam/system/slam_options.hpp"
 #include "slam/system/slam_result.hpp"
+#include "vo_net/visual_odometry.hpp"
 
 namespace imslam::system {
+
+using FrameObserver = std::function<void(const StereoFrame& frame, const vo::VoOutput& seen)>;
 
 /// The SLAM loop: frames and inertial samples in, states out. Knows no files.
 ///
@@ -20,11 +25,12 @@ namespace imslam::system {
 /// Samples up to a frame's stamp (and a little more, for the time offset) are added before it.
 class SlamSystem {
  public:
-  /// `imu_noise` empty: there is no IMU, the graph is visual only. Throws what make_front_end()
-  /// throws.
+  /// `imu_noise` empty: there is no IMU, the graph is visual only. `networks`: see
+  /// make_front_end(), which throws.
   SlamSystem(const SlamOptions& options,
              const StereoCamera& camera,
-             const std::optional<ImuNoise>& imu_noise);
+             const std::optional<ImuNoise>& imu_noise,
+             const Networks* networks = nullptr);
   ~SlamSystem();
   SlamSystem(const SlamSystem&) = delete;
   SlamSystem& operator=(const SlamSystem&) = delete;
@@ -41,6 +47,9 @@ class SlamSystem {
     bool vision = false;  ///< its motion was measured
   };
   FrameReport process(const StereoFrame& frame);
+
+  /// Tells somebody what the odometry saw in each frame.
+  void observe(FrameObserver observer);
 
   /// Solves the graph over everything seen so far. Call it once, at the end.
   SlamResult finish();

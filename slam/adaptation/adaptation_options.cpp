@@ -1,0 +1,84 @@
+#include "slam/adaptation/adaptation_options.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "slam/base/error.hpp"
+
+namespace imslam::adaptation {
+namespace {
+
+template <typename T>
+void require(bool holds, const char* key, T value, const char* bound) {
+  if (holds) return;
+  throw InputError("finetune." + std::string(key) + ": expected " + bound + ", got " +
+                       std::to_string(value),
+                   ExitCode::kUsage);
+}
+
+}  // namespace
+
+AdaptationOptions::AdaptationOptions() {
+  rate = 2e-4;
+  warm_up = 4;
+  average = 0.0;  // what is looked at is what goes on learning: one run serves both
+  patience = 0;
+}
+
+void AdaptationOptions::describe(Config& config) {
+  config.field("epochs", epochs, "imperative iterations: run, solve the graph, teach");
+  config.field("steps_per_epoch", steps_per_epoch, "of the optimiser per solution of the graph");
+  config.field("edges", edges, "motions of vision per step");
+  config.field("seed", seed, "of the choice of motions");
+  config.field("rate", rate, "learning rate after the warm-up, then half a cosine to 0");
+  config.field("warm_up", warm_up, "[steps]");
+  config.field("weight_decay", weight_decay, "of AdamW");
+  config.field("clip", clip, "largest norm of the gradient");
+  config.field("patience", patience, "epochs without gain after which it ends; 0: never");
+  config.field("guard", guard, "the given weights are the result unless the loss gains on them");
+  config.field("matcher", matcher, {"off", "heads", "all"}, "what learns of the matching network");
+  config.field("motion_noise", motion_noise, "the covariance of motions learns");
+  config.field("pose_head", pose_head, "the pose head learns, where there is one");
+  config.field("imu", imu, "the IMU network learns, where there is one");
+  config.field("graph_weight", graph_weight, "of the motions' likelihood under the graph");
+  config.field("match_weight", match_weight, "of the matches' likelihood at the graph's motions");
+  config.field("imu_weight", imu_weight, "of the inertial likelihoods");
+  config.field("imu_rate", imu_rate, "learning rate of the IMU network beside the matcher's");
+  config.field("noise_rate", noise_rate, "learning rate of motion_noise beside the matcher's");
+  config.field("held_out", held_out, "share of the frames that no network learns from [1]");
+  config.field("stretch", stretch, "frames that are held out in a row");
+  config.field("imu_crop_s", imu_crop_s, "of the log per step [s]");
+}
+
+void AdaptationOptions::validate() const {
+  require(epochs >= 1, "epochs", epochs, "1 or more");
+  require(steps_per_epoch >= 1, "steps_per_epoch", steps_per_epoch, "1 or more");
+  require(edges >= 1 && edges <= 4096, "edges", edges, "1 .. 4096");
+  require(held_out > 0.0 && held_out <= 0.5, "held_out", held_out, "above 0, at most 0.5");
+  require(stretch >= 2, "stretch", stretch, "2 or more");
+  require(graph_weight >= 0.0, "graph_weight", graph_weight, ">= 0");
+  require(match_weight >= 0.0, "match_weight", match_weight, ">= 0");
+  require(imu_weight >= 0.0, "imu_weight", imu_weight, ">= 0");
+  require(imu_rate > 0.0, "imu_rate", imu_rate, "> 0");
+  require(noise_rate > 0.0, "noise_rate", noise_rate, "> 0");
+  require(imu_crop_s >= 5.0, "imu_crop_s", imu_crop_s, "5 or more");
+  completed().validate_training();
+}
+
+AdaptationOptions AdaptationOptions::completed() const {
+  AdaptationOptions all = *this;
+  all.steps = epochs * steps_per_epoch;
+  all.batch = edges + 1;  // the last one is the inertial log's
+  all.validation_every = steps_per_epoch;
+  all.checkpoint_every = 1;
+  all.warm_up = std::min(warm_up, all.steps - 1);
+  return all;
+}
+
+bool is_held_out(std::size_t frame, const AdaptationOptions& options) {
+  const auto cycle = static_cast<std::size_t>(std::lround(1.0 / options.held_out));
+  const std::size_t stretch = frame / static_cast<std::size_t>(options.stretch);
+  return stretch % cycle == cycle / 2;
+}
+
+}  // namespace imslam::adaptation

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+
+#include "slam/learner/training_options.hpp"
+
+namespace imslam::adaptation {
+
+/// How the graph teaches the networks on a sequence without labels.
+///
+/// The defaults are for a few minutes of data. Of learner::TrainingOptions, `steps`, `batch`,
+/// `validation_every` and `checkpoint_every` follow from epochs, steps_per_epoch and edges.
+struct AdaptationOptions : learner::TrainingOptions {
+  AdaptationOptions();
+
+  int epochs = 10;          ///< imperative iterations: run, solve the graph, teach
+  int steps_per_epoch = 8;  ///< of the optimiser between two solutions of the graph
+  int edges = 16;           ///< motions of vision per step
+
+  std::string matcher = "heads";  ///< what learns of the matching network: off, heads, all
+  bool motion_noise = true;       ///< the covariance of motions
+  bool pose_head = true;          ///< of vo.head: regression
+  bool imu = true;                ///< of system.imu: learned
+
+  double graph_weight = 1.0;  ///< of the motions' likelihood under the graph, per dimension
+  double match_weight = 1.0;  ///< of the matches' likelihood at the graph's motions, per point
+  double imu_weight = 1.0;    ///< of the inertial likelihoods, beside one step's motions
+  double imu_rate = 1.0;      ///< learning rate beside that of the matcher
+  double noise_rate = 10.0;   ///< likewise, of motion_noise, which begins with nothing
+
+  double held_out = 0.2;     ///< [1] share of the frames that no network learns from
+  int stretch = 20;          ///< [frames] that are held out in a row
+  double imu_crop_s = 60.0;  ///< [s] of the log per step
+
+  int motions_per_step() const { return edges; }
+
+  void describe(Config& config);
+  void validate() const;  ///< Throws InputError(kUsage) naming key, value and bound.
+  /// With what follows from the others.
+  AdaptationOptions completed() const;
+};
+
+/// Whether a frame belongs to a stretch that is held out: the last ones of every 1 / held_out
+/// stretches.
+bool is_held_out(std::size_t frame, const AdaptationOptions& options);
+
+}  // namespace imslam::adaptation

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "slam/adaptation/graph_teacher.hpp"
+#include "slam/adaptation/learned_networks.hpp"
+#include "slam/adaptation/motion_tracer.hpp"
+#include "slam/system/run_sequence.hpp"
+
+namespace imslam::adaptation {
+
+/// One run over the sequence with the networks as they are, and what it teaches.
+struct Epoch {
+  system::RunOutcome outcome;
+  std::vector<MotionTrace> traces;      ///< of the motions drawn for lessons, in that order
+  std::optional<GraphTeacher> teacher;  ///< empty: the graph cannot teach, see `reason`
+  std::string reason;
+  training::InertialLog log;  ///< of the teacher, where there is an IMU
+};
+
+/// Which sequence and how it is run.
+struct EpochRequest {
+  datasets::Sequence& sequence;
+  const system::SlamOptions& slam;
+  const AdaptationOptions& options;
+  system::RunRequest run;  ///< frames, and who is told how far it is
+};
+
+/// Runs the sequence; `number` decides which motions are traced: steps_per_epoch x edges of those
+/// that are not held out, drawn without putting back (all, over and over, if there are fewer).
+/// Throws what run_sequence() throws, and InputError(kInterrupted) if keep_going said stop.
+std::unique_ptr<Epoch> run_epoch(const EpochRequest& request,
+                                 const LearnedNetworks& networks,
+                                 int number);
+
+}  // namespace imslam::adaptation

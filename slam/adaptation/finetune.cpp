@@ -1,0 +1,118 @@
+#include "slam/adaptation/finetune.hpp"
+
+#include <fmt/format.h>
+
+#include "slam/base/file.hpp"
+#include "slam/nn/weights_io.hpp"
+
+namespace imslam::adaptation {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kBefore = "before.safetensors";
+constexpr const char* kWeights = "weights";
+
+struct Scored {
+  system::RunOutcome outcome;
+  EpochScores scores;
+};
+
+/// A plain run with the networks that the options name, scored like an epoch.
+Scored run_and_score(const EpochRequest& request, const system::SlamOptions& slam) {
+  AdaptationOptions nothing = request.options;
+  nothing.steps_per_epoch = 0;  // no motions are traced
+  const LearnedNetworks networks(slam, nothing);
+  EpochRequest plain{request.sequence, slam, nothing, request.run};
+  auto epoch = run_epoch(plain, networks, 0);
+  const auto truth = true_inertial_log(request.sequence, epoch->outcome);
+  Scored scored;
+  scored.scores =
+      score_epoch(*epoch, request.options, truth ? &*truth : nullptr, networks.imu_network());
+  scored.outcome = std::move(epoch->outcome);
+  return scored;
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) {
+    throw InputError(folder.string() + ": cannot be made: " + error.message(), ExitCode::kOutput);
+  }
+}
+
+std::string cell(const std::optional<double>& value) {
+  return value ? fmt::format("{:.5g}", *value) : "-";
+}
+
+std::string change(const std::optional<double>& before, const std::optional<double>& after) {
+  if (!before || !after || *before == 0.0) return "-";
+  return fmt::format("{:+.1f} %", 100.0 * (*after - *before) / std::abs(*before));
+}
+
+}  // namespace
+
+std::string sequence_sha256(const datasets::Sequence& sequence) {
+  std::string all;
+  for (const fs::path& file : sequence.input_files()) {
+    all += file.filename().string() + ' ' + sha256_of_file(file) + '\n';
+  }
+  return sha256(all);
+}
+
+FinetuneOutcome finetune(const EpochRequest& epoch,
+                         const std::string& config_yaml,
+                         learner::TrainingRequest request) {
+  AdaptationTraining training(epoch, sequence_sha256(epoch.sequence));
+  make_folder(request.folder);
+  request.start = request.folder / kBefore;
+  if (!request.resume || !fs::exists(request.start)) {
+    nn::save_parameters(request.start, training.networks().parameters(), training.card());
+  }
+  FinetuneOutcome outcome;
+  outcome.training = learner::run_training(training, config_yaml, request);
+  if (outcome.training.stopped) return outcome;
+
+  nn::ModelCard card = nn::WeightsFile::read(outcome.training.weights).card();
+  card.command = request.command;
+  make_folder(request.folder / kWeights);
+  outcome.weights = training.networks().write(outcome.training.weights,
+                                              request.folder / kWeights, card);
+  Scored before = run_and_score(epoch, epoch.slam);
+  system::SlamOptions adapted = epoch.slam;
+  use_networks(request.folder / kWeights, adapted);
+  Scored after = run_and_score(epoch, adapted);
+  outcome.before = before.scores;
+  outcome.after = after.scores;
+  outcome.zero_shot = std::move(before.outcome);
+  outcome.adapted = std::move(after.outcome);
+  return outcome;
+}
+
+std::string comparison_table(const EpochScores& before, const EpochScores& after) {
+  struct Row {
+    const char* name;
+    std::optional<double> before;
+    std::optional<double> after;
+  };
+  const Row rows[] = {
+      {"held-out loss (self-supervised)", before.held_out_loss, after.held_out_loss},
+      {"VO: ATE [m]", before.vo_ate_m, after.vo_ate_m},
+      {"VO: RPE per frame [m]", before.vo_rpe_m, after.vo_rpe_m},
+      {"VO: RPE per frame [deg]", before.vo_rpe_deg, after.vo_rpe_deg},
+      {"IMU: rotation over 5 s [deg]", before.imu_rotation_deg, after.imu_rotation_deg},
+      {"IMU: position over 5 s [m]", before.imu_position_m, after.imu_position_m},
+      {"graph: ATE [m]", before.graph_ate_m, after.graph_ate_m},
+      {"graph: RPE per frame [m]", before.graph_rpe_m, after.graph_rpe_m},
+      {"graph: RPE per frame [deg]", before.graph_rpe_deg, after.graph_rpe_deg},
+  };
+  std::string text = fmt::format("{:<34}{:>12}{:>12}{:>12}\n", "", "zero-shot", "adapted", "change");
+  for (const Row& row : rows) {
+    const bool loss = &row == rows;  // its zero means nothing
+    text += fmt::format("{:<34}{:>12}{:>12}{:>12}\n", row.name, cell(row.before), cell(row.after),
+                        loss ? fmt::format("{:+.4f}", *row.after - *row.before)
+                             : change(row.before, row.after));
+  }
+  return text;
+}
+
+}  // namespace imslam::adaptation

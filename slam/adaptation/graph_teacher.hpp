@@ -1,0 +1,56 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "pgo/edge_likelihood.hpp"
+#include "slam/system/slam_result.hpp"
+#include "slam/training/inertial_log.hpp"
+#include "vo_net/motion_cost.hpp"
+
+namespace imslam::adaptation {
+
+/// What the solved graph of a run knows better than the measurements that went into it.
+///
+///   U = - log evidence of the measurements = sum over edges of their likelihood at the solution,
+///       the spread of the states included (pgo::EdgeLikelihood)
+///
+/// The states are the stationary point of the same likelihoods, so that dU/dz at the solution is
+/// the whole derivative ("one step") as long as the solve has converged.
+class GraphTeacher {
+ public:
+  /// Empty, with the reason, if the graph cannot teach: not converged, or not determined.
+  static std::optional<GraphTeacher> of(const system::SlamResult& result, std::string& reason);
+
+  const pgo::PoseVelocityGraph& graph() const { return graph_; }
+  const pgo::Posterior& posterior() const { return posterior_; }
+
+  /// The odometry's edge over this interval, if the graph has it.
+  std::optional<std::size_t> visual_edge(std::int64_t time0_ns, std::int64_t time1_ns) const;
+  /// U of that edge for another measurement in its place.
+  vo::MotionCost cost_of(std::size_t visual_edge) const;
+  /// The motion as the solution has it.
+  lie::SE3d T_body0_body1(std::size_t visual_edge) const;
+  double disparity_offset() const { return graph_.globals().disparity_offset; }
+
+  /// Mean over the edges whose later frame counts of how badly all other measurements foretell
+  /// them (pgo::left_out_nll), per dimension: the self-supervised loss that networks are chosen
+  /// by. 0 without such edges.
+  double left_out_loss(const std::function<bool(std::size_t state)>& counts) const;
+
+  /// The graph's trajectory as though it were the truth about the inertial sensor. `samples` are
+  /// raw readings.
+  training::InertialLog inertial_log(const std::vector<ImuSample>& samples,
+                                     const ImuNoise& noise) const;
+
+ private:
+  GraphTeacher(pgo::PoseVelocityGraph graph, pgo::Posterior posterior);
+
+  pgo::PoseVelocityGraph graph_;
+  pgo::Posterior posterior_;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> visual_edges_;  ///< by their times
+};
+
+}  // namespace imslam::adaptation

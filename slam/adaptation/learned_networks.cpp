@@ -1,0 +1,142 @@
+#include "slam/adaptation/learned_networks.hpp"
+
+#include <utility>
+
+#include "imu_net/imu_weights.hpp"
+#include "slam/nn/weights_io.hpp"
+#include "vo_net/match_weights.hpp"
+#include "vo_net/pose_head_weights.hpp"
+
+namespace imslam::adaptation {
+namespace {
+
+constexpr const char* kMatch = "match_network";
+constexpr const char* kNoise = "motion_noise";
+constexpr const char* kHead = "pose_head";
+constexpr const char* kImu = "imu_network";
+
+/// The weights of one network from the joint file, under their own names.
+template <typename Network>
+void write_network(const std::string& name,
+                   Network network,
+                   const nn::WeightsFile& joint,
+                   const std::filesystem::path& file,
+                   const nn::ModelCard& card) {
+  nn::ParameterList<float> own;
+  network.collect(own, "");
+  for (nn::Parameter<float>* parameter : own) {
+    joint.read_into(name + "/" + parameter->name, parameter->value);
+  }
+  nn::save_parameters(file, own, card, nn::NumberType::kF16);
+}
+
+/// A file with a number of its own for what is not to be seen twice.
+nn::ModelCard untrained_noise_card() {
+  nn::ModelCard card;
+  card.what =
+      "covariance of the motions of imslam's visual odometry: factors of translation and rotation "
+      "from inliers, noise, disparity and flow of a motion";
+  return card;
+}
+
+}  // namespace
+
+LearnedNetworks::LearnedNetworks(const system::SlamOptions& slam,
+                                 const AdaptationOptions& options) {
+  if (slam.system.front_end == "learned" && options.matcher != "off") {
+    auto trained = vo::load_match_network(slam.vo.learned.weights, vo::MatchUse::kTraining);
+    match_ = std::move(trained.network);
+    adopt(kMatch, *match_, trained.card);
+  }
+  if (options.motion_noise) {
+    nn::ModelCard card = untrained_noise_card();
+    if (slam.vo.motion_noise.empty()) {
+      Random random(static_cast<std::uint64_t>(options.seed));
+      noise_ = std::make_shared<vo::MotionNoise<float>>(random);
+    } else {
+      auto trained = vo::load_motion_noise(slam.vo.motion_noise);
+      noise_ = std::move(trained.network);
+      card = std::move(trained.card);
+    }
+    adopt(kNoise, *noise_, card);
+  }
+  if (slam.vo.head == "regression" && options.pose_head) {
+    const auto trained = vo::load_pose_head(slam.vo.regression.weights);
+    head_ = std::make_shared<vo::PoseHead<float>>(*trained.network);
+    adopt(kHead, *head_, trained.card);
+  }
+  if (slam.system.imu == "learned" && options.imu) {
+    const auto trained = imu::load_imu_network(slam.imu_network.weights);
+    imu_ = std::make_shared<imu::ImuNetwork<float>>(*trained.network);
+    imu_->sensor_offset.trainable = true;  // one sensor: what it alone has may be learned
+    adopt(kImu, *imu_, trained.card);
+  }
+  choose(options);
+}
+
+template <typename Network>
+void LearnedNetworks::adopt(const std::string& name, Network& network, const nn::ModelCard& card) {
+  Part part;
+  part.name = name;
+  part.card = card;
+  network.collect(part.parameters, name + "/");
+  for (nn::Parameter<float>* parameter : part.parameters) list_.add(parameter->name, *parameter);
+  parts_.push_back(std::move(part));
+}
+
+void LearnedNetworks::choose(const AdaptationOptions& options) {
+  for (Part& part : parts_) {
+    for (nn::Parameter<float>* parameter : part.parameters) {
+      const bool head = parameter->name.find(".head.") != std::string::npos;
+      if (part.name == kMatch && options.matcher == "heads" && !head) parameter->trainable = false;
+      if (part.name == kImu) parameter->rate_factor = options.imu_rate;
+      if (part.name == kNoise) parameter->rate_factor = options.noise_rate;
+    }
+  }
+}
+
+system::Networks LearnedNetworks::snapshot() const {
+  system::Networks networks;
+  if (match_) {
+    networks.match = std::make_shared<vo::MatchNetwork<float>>(*match_);
+    networks.match->fold();
+  }
+  if (noise_) networks.motion_noise = std::make_shared<vo::MotionNoise<float>>(*noise_);
+  if (head_) networks.pose_head = std::make_shared<vo::PoseHead<float>>(*head_);
+  if (imu_) networks.imu_network = std::make_shared<imu::ImuNetwork<float>>(*imu_);
+  return networks;
+}
+
+std::vector<std::filesystem::path> LearnedNetworks::write(const std::filesystem::path& joint,
+                                                          const std::filesystem::path& folder,
+                                                          const nn::ModelCard& card) {
+  const auto numbers = nn::WeightsFile::read(joint);
+  std::vector<std::filesystem::path> files;
+  for (const Part& part : parts_) {
+    nn::ModelCard own = card;
+    own.what = part.card.what;
+    own.data = part.card.data.empty() ? card.data : part.card.data + "; then " + card.data;
+    own.parent = part.card.sha256;
+    own.limits = card.limits;
+    own.sha256.clear();
+    files.push_back(folder / (part.name + ".safetensors"));
+    if (part.name == kMatch) write_network(kMatch, *match_, numbers, files.back(), own);
+    if (part.name == kNoise) write_network(kNoise, *noise_, numbers, files.back(), own);
+    if (part.name == kHead) write_network(kHead, *head_, numbers, files.back(), own);
+    if (part.name == kImu) write_network(kImu, *imu_, numbers, files.back(), own);
+  }
+  return files;
+}
+
+void use_networks(const std::filesystem::path& folder, system::SlamOptions& slam) {
+  const auto use = [&](const char* name, std::string& option) {
+    const auto file = folder / (std::string(name) + ".safetensors");
+    if (std::filesystem::exists(file)) option = file.string();
+  };
+  use(kMatch, slam.vo.learned.weights);
+  use(kNoise, slam.vo.motion_noise);
+  use(kHead, slam.vo.regression.weights);
+  use(kImu, slam.imu_network.weights);
+}
+
+}  // namespace imslam::adaptation

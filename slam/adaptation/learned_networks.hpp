@@ -1,0 +1,65 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "imu_net/imu_network.hpp"
+#include "slam/adaptation/adaptation_options.hpp"
+#include "slam/nn/model_card.hpp"
+#include "slam/system/front_end.hpp"
+#include "vo_net/match_network.hpp"
+#include "vo_net/motion_noise.hpp"
+#include "vo_net/pose_head.hpp"
+
+namespace imslam::adaptation {
+
+/// The networks of a run while they learn, as one list of parameters:
+/// "match_network/encoder...", "motion_noise/...", "pose_head/...", "imu_network/...".
+/// Networks that do not take part in the run, or are not to learn, are not in the list.
+class LearnedNetworks {
+ public:
+  /// Those that the options of a run name, with their weights. Throws InputError(kModel).
+  LearnedNetworks(const system::SlamOptions& slam, const AdaptationOptions& options);
+  LearnedNetworks(const LearnedNetworks&) = delete;
+  LearnedNetworks& operator=(const LearnedNetworks&) = delete;
+
+  const nn::ParameterList<float>& parameters() const { return list_; }
+
+  vo::MatchNetwork<float>* match() const { return match_.get(); }  ///< not folded, or null
+  const vo::MotionNoise<float>* motion_noise() const { return noise_.get(); }
+  vo::PoseHead<float>* pose_head() const { return head_.get(); }
+  const imu::ImuNetwork<float>* imu_network() const { return imu_.get(); }
+
+  /// Copies for a run, as they are now.
+  system::Networks snapshot() const;
+
+  /// The weights of `joint` (all parameters, as save() of a training wrote them), one file per
+  /// network in `folder`, in float16. Cards: `card` with what is known of each network before.
+  std::vector<std::filesystem::path> write(const std::filesystem::path& joint,
+                                           const std::filesystem::path& folder,
+                                           const nn::ModelCard& card);
+
+ private:
+  struct Part {
+    std::string name;
+    nn::ParameterList<float> parameters;
+    nn::ModelCard card;  ///< of the weights that it began with
+  };
+  template <typename Network>
+  void adopt(const std::string& name, Network& network, const nn::ModelCard& card);
+  void choose(const AdaptationOptions& options);
+
+  std::shared_ptr<vo::MatchNetwork<float>> match_;
+  std::shared_ptr<vo::MotionNoise<float>> noise_;
+  std::shared_ptr<vo::PoseHead<float>> head_;
+  std::shared_ptr<imu::ImuNetwork<float>> imu_;
+  std::vector<Part> parts_;
+  nn::ParameterList<float> list_;
+};
+
+/// The options of a run with the networks of a folder that write() filled: those that are there.
+void use_networks(const std::filesystem::path& folder, system::SlamOptions& slam);
+
+}  // namespace imslam::adaptation

@@ -1,0 +1,92 @@
+#include "slam/adaptation/visual_lesson.hpp"
+
+#include "slam/nn/ops/arithmetic.hpp"
+#include "slam/nn/ops/pointwise.hpp"
+#include "vo_net/match_labels.hpp"
+
+namespace imslam::adaptation {
+namespace {
+
+using nn::Var;
+
+constexpr double kDimensions = 6.0;
+
+Var noise_of(nn::Tape<float>& tape, const MotionTrace& trace, const LearnedNetworks& networks) {
+  if (networks.motion_noise() == nullptr) return {};
+  const Var features =
+      tape.constant({1, vo::MotionNoiseFeatures::kCount}, trace.features.values.data());
+  return networks.motion_noise()->forward(tape, features);
+}
+
+vo::MotionRecipe recipe_of(const MotionTrace& trace, const VisualClass& of) {
+  vo::MotionRecipe recipe;
+  recipe.camera = of.camera;
+  recipe.pose = of.vo.pose;
+  recipe.sigma_floor = of.vo.learned.sigma_floor;
+  recipe.shared_error = of.vo.shared_error;
+  recipe.start = trace.pose.T_body0_body1;
+  recipe.disparity_offset = trace.pose.disparity_offset;
+  recipe.time0_ns = trace.before->time_ns;
+  recipe.time1_ns = trace.now->time_ns;
+  return recipe;
+}
+
+Var match_lesson(nn::Tape<float>& tape,
+                 const vo::ReplayedMatch& match,
+                 const MotionTrace& trace,
+                 const VisualClass& of,
+                 std::size_t edge) {
+  const vo::MatchLabels labels =
+      vo::match_labels(trace.correspondences, trace.pose, of.camera,
+                       of.teacher.T_body0_body1(edge), of.teacher.disparity_offset(), match.shrink);
+  const Var flow = vo::match_loss(tape, match.flow, labels.flow).total;
+  const Var stereo = add(tape, vo::match_loss(tape, match.stereo0, labels.stereo0).total,
+                         vo::match_loss(tape, match.stereo1, labels.stereo1).total);
+  return add(tape, flow, stereo);
+}
+
+/// Matching network, pose layer, graph.
+Var matcher_lesson(nn::Tape<float>& tape,
+                   const MotionTrace& trace,
+                   const VisualClass& of,
+                   std::size_t edge,
+                   bool& usable) {
+  const vo::ReplayImages images{&trace.before->left, &trace.before->right, &trace.now->left,
+                                &trace.now->right, trace.search};
+  const vo::ReplayedMatch match =
+      vo::replay_match(tape, *of.networks.match(), images, trace.correspondences);
+  const auto motion =
+      vo::motion_cost(tape, match, trace.correspondences, recipe_of(trace, of),
+                      noise_of(tape, trace, of.networks), of.teacher.cost_of(edge));
+  usable = motion.usable;
+  Var total = scale(tape, motion.cost, of.options.graph_weight / kDimensions);
+  if (of.options.match_weight > 0.0) {
+    total = add(tape, total,
+                scale(tape, match_lesson(tape, match, trace, of, edge), of.options.match_weight));
+  }
+  return total;
+}
+
+}  // namespace
+
+Var visual_lesson(nn::Tape<float>& tape,
+                  const MotionTrace& trace,
+                  const VisualClass& of,
+                  bool& usable) {
+  usable = false;
+  const auto edge = of.teacher.visual_edge(trace.before->time_ns, trace.now->time_ns);
+  const Var nothing = tape.constant(nn::Tensor<float>({1}));
+  if (!edge) return nothing;
+  const bool geometric = of.vo.head == "geometric";
+  if (geometric && of.networks.match() != nullptr) {
+    return matcher_lesson(tape, trace, of, *edge, usable);
+  }
+  const Var noise = noise_of(tape, trace, of.networks);
+  if (!noise) return nothing;
+  usable = true;
+  RelativeMotion motion = of.teacher.graph().visual_edges()[*edge].motion;
+  return scale(tape, noise_cost(tape, motion, noise, of.teacher.cost_of(*edge)),
+               of.options.graph_weight / kDimensions);
+}
+
+}  // namespace imslam::adaptation
