@@ -24,7 +24,8 @@ namespace {
 
 constexpr const char* kExamples =
     "Examples:\n"
-    "  imslam finetune MH_01_easy                        the graph teaches the networks, no labels\n"
+    "  imslam finetune MH_01_easy                        the graph teaches the networks, no "
+    "labels\n"
     "  imslam finetune MH_01_easy --epochs 20 --out runs/mh01_tuned\n"
     "  imslam finetune MH_01_easy --out runs/mh01_tuned --resume      go on after a stop\n"
     "  imslam run MH_01_easy --networks runs/mh01_tuned/weights       use the result\n"
@@ -159,8 +160,7 @@ void add_finetune_command(CLI::App& app, Action& action, const CommonOptions& co
   command->add_option("dataset", arguments->dataset, "Folder of the sequence");
   command->add_option("--format", arguments->format, "auto or one of the known formats")
       ->capture_default_str();
-  command->add_option("--front-end", arguments->front_end, "klt or learned")
-      ->capture_default_str();
+  command->add_option("--front-end", arguments->front_end, "klt or learned")->capture_default_str();
   command->add_option("--imu", arguments->imu, "raw, learned or off")->capture_default_str();
   command->add_option("--epochs", arguments->epochs, "Imperative iterations (default: 10)");
   command->add_option("--networks", arguments->networks,

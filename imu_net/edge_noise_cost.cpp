@@ -24,9 +24,7 @@ struct NoisySamples {
 };
 
 template <typename S>
-NoisySamples noisy_samples(const nn::Tape<S>& tape,
-                           Var edge_noise,
-                           const EdgeNoiseTask& task) {
+NoisySamples noisy_samples(const nn::Tape<S>& tape, Var edge_noise, const EdgeNoiseTask& task) {
   const auto bins = static_cast<Index>(task.frame_times.size());
   const S* const said = tape.data(edge_noise);
   NoisySamples noisy{*task.samples, {}};
@@ -39,12 +37,10 @@ NoisySamples noisy_samples(const nn::Tape<S>& tape,
     }
     noisy.bins.push_back(bin);
     for (int axis = 0; bin >= 0 && axis < 3; ++axis) {
-      sample.gyro_variance[axis] =
-          added_variance(task.datasheet.gyro_noise_density,
-                         static_cast<double>(said[place(axis, bins, bin, 0)]));
-      sample.accel_variance[axis] =
-          added_variance(task.datasheet.accel_noise_density,
-                         static_cast<double>(said[place(axis, bins, bin, 1)]));
+      sample.gyro_variance[axis] = added_variance(
+          task.datasheet.gyro_noise_density, static_cast<double>(said[place(axis, bins, bin, 0)]));
+      sample.accel_variance[axis] = added_variance(
+          task.datasheet.accel_noise_density, static_cast<double>(said[place(axis, bins, bin, 1)]));
     }
   }
   return noisy;

@@ -51,10 +51,10 @@ RelativePoseFactor::Linearization at_solution(const GraphData& data,
                                               const VisualEdge& edge,
                                               const RelativeMotion& motion,
                                               const Eigen::Matrix<double, 6, 6>& W) {
-  return RelativePoseFactor(motion, W)
-      .linearize(data.states[static_cast<std::size_t>(edge.from)].nav.T_world_body,
-                 data.states[static_cast<std::size_t>(edge.to)].nav.T_world_body,
-                 data.globals.disparity_offset, data.globals.focal_error);
+  return RelativePoseFactor(motion, W).linearize(
+      data.states[static_cast<std::size_t>(edge.from)].nav.T_world_body,
+      data.states[static_cast<std::size_t>(edge.to)].nav.T_world_body,
+      data.globals.disparity_offset, data.globals.focal_error);
 }
 
 ImuFactor::Linearization at_solution(const PoseVelocityGraph& graph,
@@ -106,12 +106,10 @@ EdgeLikelihood<6> visual_likelihood(const PoseVelocityGraph& graph,
                                     const Eigen::Matrix<double, 6, 6>& spread) {
   const auto W = sqrt_information(motion.covariance);
   if (!W) {
-    return {0.0,
-            {Eigen::Matrix<double, 6, 1>::Zero(), Eigen::Matrix<double, 6, 6>::Zero()}};
+    return {0.0, {Eigen::Matrix<double, 6, 1>::Zero(), Eigen::Matrix<double, 6, 6>::Zero()}};
   }
   const auto at = at_solution(graph.data(), graph.visual_edges().at(edge), motion, *W);
-  return likelihood<6>(at.residual, at.J_measurement, *W, spread,
-                       make_loss(graph.options()).get());
+  return likelihood<6>(at.residual, at.J_measurement, *W, spread, make_loss(graph.options()).get());
 }
 
 EdgeLikelihood<9> inertial_likelihood(const PoseVelocityGraph& graph,
@@ -120,8 +118,7 @@ EdgeLikelihood<9> inertial_likelihood(const PoseVelocityGraph& graph,
                                       const Eigen::Matrix<double, 9, 9>& spread) {
   const auto W = sqrt_information(motion.covariance);
   if (!W) {
-    return {0.0,
-            {Eigen::Matrix<double, 9, 1>::Zero(), Eigen::Matrix<double, 9, 9>::Zero()}};
+    return {0.0, {Eigen::Matrix<double, 9, 1>::Zero(), Eigen::Matrix<double, 9, 9>::Zero()}};
   }
   const auto at = at_solution(graph, graph.inertial_edges().at(edge), motion, *W);
   return likelihood<9>(at.residual, at.J_measurement, *W, spread, nullptr);

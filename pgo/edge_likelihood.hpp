@@ -40,9 +40,9 @@ EdgeLikelihood<9> inertial_likelihood(const PoseVelocityGraph& graph,
 ///
 ///   l = 1/2 r^T (I - Lambda)^-1 r - 1/2 log det(I - Lambda) + 1/2 log det Sigma
 ///
-/// r = W e, leverage Lambda = W S W^T. The square counts as robust_square beyond 16 per dimension, so that one edge does not
-/// decide. Directions that nothing else measures (leverage 1) do not count.
-/// Source of the identity: Cook and Weisberg, "Residuals and Influence in Regression", 1982.
+/// r = W e, leverage Lambda = W S W^T. The square counts as robust_square beyond 16 per dimension,
+/// so that one edge does not decide. Directions that nothing else measures (leverage 1) do not
+/// count. Source of the identity: Cook and Weisberg, "Residuals and Influence in Regression", 1982.
 double left_out_nll(const PoseVelocityGraph& graph,
                     const PosteriorSpread& spread,
                     std::size_t visual_edge);

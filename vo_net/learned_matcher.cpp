@@ -111,8 +111,8 @@ int LearnedMatcher::State::shrink() const {
 }
 
 void LearnedMatcher::State::judge_effort(const Arrivals& arrivals) {
-  const auto arrived = std::count_if(arrivals.begin(), arrivals.end(),
-                                     [](const auto& a) { return a.has_value(); });
+  const auto arrived =
+      std::count_if(arrivals.begin(), arrivals.end(), [](const auto& a) { return a.has_value(); });
   const auto polished = std::count_if(arrivals.begin(), arrivals.end(),
                                       [](const auto& a) { return a && !a->learned; });
   const double share =

@@ -19,8 +19,8 @@ struct MatchLabels {
 /// measurements; from it where the point lies in the other three images.
 ///
 ///   inliers of `pose`                   valid and visible: right answers
-///   more than `wrong_px` off            valid, not visible: whatever was seen, it was not the point
-///   in between                          not valid: nobody knows
+///   more than `wrong_px` off            valid, not visible: whatever was seen, it was not the
+///   point in between                          not valid: nobody knows
 ///
 /// `disparity_offset` [px]: of the rectification, at the given motion. shrink: of the network.
 MatchLabels match_labels(const Correspondences& correspondences,

@@ -84,11 +84,8 @@ void set_flow(const Reader<S>& flow, Index i, double sigma_floor, Correspondence
 }
 
 template <typename S>
-void set_disparity(const Reader<S>& stereo,
-                   Index i,
-                   double sigma_floor,
-                   double& disparity,
-                   double& information) {
+void set_disparity(
+    const Reader<S>& stereo, Index i, double sigma_floor, double& disparity, double& information) {
   disparity = -stereo.moved(i);
   const double sigma = stereo.scale(i);
   information = 1.0 / (kVarianceOfScale * sigma * sigma + sigma_floor * sigma_floor);
@@ -105,10 +102,10 @@ ReplayedMatch replay_match(nn::Tape<S>& tape,
   const FeaturePyramid all = network.encode(tape, pixels_of(tape, images));
   const FeaturePyramid left0 = sample_of(tape, all, 0);
   const FeaturePyramid left1 = sample_of(tape, all, 2);
-  const Var at_left0 = points_of(tape, correspondences, shrink,
-                                 [](const Correspondence& c) { return c.left0; });
-  const Var at_left1 = points_of(tape, correspondences, shrink,
-                                 [](const Correspondence& c) { return c.left1; });
+  const Var at_left0 =
+      points_of(tape, correspondences, shrink, [](const Correspondence& c) { return c.left0; });
+  const Var at_left1 =
+      points_of(tape, correspondences, shrink, [](const Correspondence& c) { return c.left1; });
   MatchHint hint;
   hint.predicted_x = images.search.predicted.x() / shrink;
   hint.predicted_y = images.search.predicted.y() / shrink;
@@ -147,10 +144,10 @@ Correspondences replayed(const nn::Tape<S>& tape,
   return now;
 }
 
-#define INSTANTIATE(S)                                                                         \
-  template ReplayedMatch replay_match(nn::Tape<S>&, MatchNetwork<S>&, const ReplayImages&,     \
-                                      const Correspondences&);                                 \
-  template Correspondences replayed(const nn::Tape<S>&, const ReplayedMatch&,                  \
+#define INSTANTIATE(S)                                                                     \
+  template ReplayedMatch replay_match(nn::Tape<S>&, MatchNetwork<S>&, const ReplayImages&, \
+                                      const Correspondences&);                             \
+  template Correspondences replayed(const nn::Tape<S>&, const ReplayedMatch&,              \
                                     const Correspondences&, double);
 INSTANTIATE(float)
 INSTANTIATE(double)

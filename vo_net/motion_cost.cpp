@@ -210,10 +210,7 @@ ReplayedMotion<S> motion_cost(nn::Tape<S>& tape,
 }
 
 template <typename S>
-Var noise_cost(nn::Tape<S>& tape,
-               const RelativeMotion& motion,
-               Var noise,
-               const MotionCost& cost) {
+Var noise_cost(nn::Tape<S>& tape, const RelativeMotion& motion, Var noise, const MotionCost& cost) {
   RelativeMotion now = motion;
   const Eigen::Matrix<double, 6, 1> factors = factors_of(tape, noise);
   now.covariance = factors.asDiagonal() * motion.covariance * factors.asDiagonal();
@@ -226,10 +223,10 @@ Var noise_cost(nn::Tape<S>& tape,
   });
 }
 
-#define INSTANTIATE(S)                                                               \
-  template ReplayedMotion<S> motion_cost(nn::Tape<S>&, const ReplayedMatch&,         \
-                                         const Correspondences&, const MotionRecipe&, \
-                                         Var, const MotionCost&);                    \
+#define INSTANTIATE(S)                                                                     \
+  template ReplayedMotion<S> motion_cost(nn::Tape<S>&, const ReplayedMatch&,               \
+                                         const Correspondences&, const MotionRecipe&, Var, \
+                                         const MotionCost&);                               \
   template Var noise_cost(nn::Tape<S>&, const RelativeMotion&, Var, const MotionCost&);
 INSTANTIATE(float)
 INSTANTIATE(double)

@@ -114,7 +114,7 @@ class VisualOdometry {
   VoOptions options_;
   StereoCamera camera_;
   std::unique_ptr<Matcher> matcher_;
-  std::optional<RegressionHead> regression_;  ///< none: the geometric head
+  std::optional<RegressionHead> regression_;                ///< none: the geometric head
   std::shared_ptr<const MotionNoise<float>> motion_noise_;  ///< null: covariances as they are
   DisparityOffsetEstimator offset_;
   double disparity_offset_ = 0.0;

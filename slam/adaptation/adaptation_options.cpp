@@ -11,9 +11,9 @@ namespace {
 template <typename T>
 void require(bool holds, const char* key, T value, const char* bound) {
   if (holds) return;
-  throw InputError("finetune." + std::string(key) + ": expected " + bound + ", got " +
-                       std::to_string(value),
-                   ExitCode::kUsage);
+  throw InputError(
+      "finetune." + std::string(key) + ": expected " + bound + ", got " + std::to_string(value),
+      ExitCode::kUsage);
 }
 
 }  // namespace

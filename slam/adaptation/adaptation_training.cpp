@@ -90,7 +90,10 @@ Var AdaptationTraining::sample_loss(nn::Tape<float>& tape, std::size_t slot) {
   const AdaptationOptions& options = request_.options;
   const auto step = static_cast<std::size_t>(step_count() % steps_per_epoch());
   if (slot == inertial_slot()) {
-    const InertialClass of{*networks_.imu_network(), *epoch_->teacher, epoch_->log, request_.slam,
+    const InertialClass of{*networks_.imu_network(),
+                           *epoch_->teacher,
+                           epoch_->log,
+                           request_.slam,
                            options,
                            [&](std::size_t state) { return !is_held_out(state, options); }};
     const Random random = Random(static_cast<std::uint64_t>(options.seed) + 1)
@@ -122,9 +125,8 @@ learner::BatchTally AdaptationTraining::tally() const {
 learner::ValidationRecord AdaptationTraining::look() {
   return with_average([this] {
     begin_epoch(step_count());
-    const EpochScores scores =
-        score_epoch(*epoch_, request_.options, truth_ ? &*truth_ : nullptr,
-                    networks_.imu_network());
+    const EpochScores scores = score_epoch(*epoch_, request_.options, truth_ ? &*truth_ : nullptr,
+                                           networks_.imu_network());
     return learner::ValidationRecord{scores.held_out_loss, scores.text(), scores.row()};
   });
 }
@@ -148,8 +150,9 @@ void AdaptationTraining::restore_more(const nn::WeightsFile& checkpoint) {
 nn::ModelCard AdaptationTraining::card() const {
   nn::ModelCard card;
   card.what = "networks of imslam, taught by the graph of one sequence";
-  card.data = fmt::format("{} without labels (sha256 of its index, calibration and inertial files {})",
-                          request_.sequence.name(), data_sha256_);
+  card.data =
+      fmt::format("{} without labels (sha256 of its index, calibration and inertial files {})",
+                  request_.sequence.name(), data_sha256_);
   card.seed = fmt::format("{}", request_.options.seed);
   card.metrics = fmt::format("after {} of {} epochs", step_count() / steps_per_epoch(),
                              request_.options.epochs);

@@ -51,10 +51,10 @@ class AdaptationTraining : public learner::NetworkTraining {
   std::string data_sha256_;
   LearnedNetworks networks_;
   std::unique_ptr<Epoch> epoch_;
-  int epoch_step_ = -1;                            ///< step_count() when epoch_ was run
-  std::vector<nn::Tensor<float>> epoch_weights_;   ///< all parameters then
-  std::optional<training::InertialLog> truth_;     ///< of the inertial sensor
-  std::vector<char> usable_;                       ///< by slot of the last batch
+  int epoch_step_ = -1;                           ///< step_count() when epoch_ was run
+  std::vector<nn::Tensor<float>> epoch_weights_;  ///< all parameters then
+  std::optional<training::InertialLog> truth_;    ///< of the inertial sensor
+  std::vector<char> usable_;                      ///< by slot of the last batch
 };
 
 }  // namespace imslam::adaptation

@@ -64,8 +64,7 @@ std::unique_ptr<Epoch> run_epoch(const EpochRequest& request,
   auto epoch = std::make_unique<Epoch>();
   epoch->outcome = system::run_sequence(request.sequence, request.slam, run);
   if (epoch->outcome.stopped) {
-    throw InputError("stopped in the middle of an epoch; --resume goes on",
-                     ExitCode::kInterrupted);
+    throw InputError("stopped in the middle of an epoch; --resume goes on", ExitCode::kInterrupted);
   }
   epoch->traces = in_order(std::move(tracer.traces()), frames);
   epoch->teacher = GraphTeacher::of(epoch->outcome.result, epoch->reason);

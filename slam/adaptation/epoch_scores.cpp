@@ -29,8 +29,7 @@ void score_inertial(const training::InertialLog& truth,
   training::OpenIntegrationOptions options;
   options.window_s = kImuWindow_s;
   options.stride_s = kStride_s;
-  const auto result =
-      training::integrate_open(truth, method.correct(truth).correction, options);
+  const auto result = training::integrate_open(truth, method.correct(truth).correction, options);
   if (result.windows.empty()) return;
   const training::OpenScore score = training::score(result);
   scores.imu_rotation_deg = score.rotation_rms_deg;
@@ -50,13 +49,13 @@ std::string EpochScores::columns() {
 
 std::string EpochScores::row() const {
   return fmt::format("{:.6g},{},{},{},{},{},{},{},{}", learned_loss, number(vo_ate_m),
-                     number(vo_rpe_m), number(vo_rpe_deg), number(graph_ate_m),
-                     number(graph_rpe_m), number(graph_rpe_deg), number(imu_rotation_deg),
-                     number(imu_position_m));
+                     number(vo_rpe_m), number(vo_rpe_deg), number(graph_ate_m), number(graph_rpe_m),
+                     number(graph_rpe_deg), number(imu_rotation_deg), number(imu_position_m));
 }
 
 std::string EpochScores::text() const {
-  std::string line = fmt::format("held-out loss {:.4f}, learned {:.4f}", held_out_loss, learned_loss);
+  std::string line =
+      fmt::format("held-out loss {:.4f}, learned {:.4f}", held_out_loss, learned_loss);
   if (vo_ate_m) line += fmt::format(", VO ATE {:.4g} m", *vo_ate_m);
   if (vo_rpe_m) line += fmt::format(" RPE {:.4g} m {:.4g} deg", *vo_rpe_m, *vo_rpe_deg);
   if (graph_ate_m) line += fmt::format(", graph ATE {:.4g} m", *graph_ate_m);
@@ -74,10 +73,10 @@ EpochScores score_epoch(const Epoch& epoch,
                         const imu::ImuNetwork<float>* network) {
   EpochScores scores;
   if (epoch.teacher) {
-    scores.held_out_loss =
-        epoch.teacher->left_out_loss([&](std::size_t state) { return is_held_out(state, options); });
-    scores.learned_loss =
-        epoch.teacher->left_out_loss([&](std::size_t state) { return !is_held_out(state, options); });
+    scores.held_out_loss = epoch.teacher->left_out_loss(
+        [&](std::size_t state) { return is_held_out(state, options); });
+    scores.learned_loss = epoch.teacher->left_out_loss(
+        [&](std::size_t state) { return !is_held_out(state, options); });
   } else {
     scores.held_out_loss = scores.learned_loss = 1e300;
   }
@@ -112,8 +111,7 @@ std::optional<training::InertialLog> true_inertial_log(const datasets::Sequence&
   if (poses.size() < 20) return std::nullopt;
   const auto gravity = training::fit_gravity(log.samples, log.noise, poses);
   const auto jumps = training::find_jumps(log.samples, log.noise, poses, gravity);
-  const auto velocities =
-      training::fit_velocities(log.samples, log.noise, poses, jumps, gravity);
+  const auto velocities = training::fit_velocities(log.samples, log.noise, poses, jumps, gravity);
   log.gravity_world = gravity.gravity_world;
   log.truth_sigma = {1e-3, 5e-4, velocities.sigma, 1e-3};
   auto jump = jumps.begin();

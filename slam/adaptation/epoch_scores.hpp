@@ -21,8 +21,8 @@ struct EpochScores {
   std::optional<double> imu_rotation_deg;  ///< RMS of open integration over kImuWindow_s
   std::optional<double> imu_position_m;
 
-  std::string text() const;       ///< one line
-  std::string row() const;        ///< comma separated, in the order of columns(); all but the loss
+  std::string text() const;  ///< one line
+  std::string row() const;   ///< comma separated, in the order of columns(); all but the loss
   static std::string columns();
 };
 

@@ -75,8 +75,8 @@ FinetuneOutcome finetune(const EpochRequest& epoch,
   nn::ModelCard card = nn::WeightsFile::read(outcome.training.weights).card();
   card.command = request.command;
   make_folder(request.folder / kWeights);
-  outcome.weights = training.networks().write(outcome.training.weights,
-                                              request.folder / kWeights, card);
+  outcome.weights =
+      training.networks().write(outcome.training.weights, request.folder / kWeights, card);
   Scored before = run_and_score(epoch, epoch.slam);
   system::SlamOptions adapted = epoch.slam;
   use_networks(request.folder / kWeights, adapted);
@@ -105,12 +105,13 @@ std::string comparison_table(const EpochScores& before, const EpochScores& after
       {"graph: RPE per frame [m]", before.graph_rpe_m, after.graph_rpe_m},
       {"graph: RPE per frame [deg]", before.graph_rpe_deg, after.graph_rpe_deg},
   };
-  std::string text = fmt::format("{:<34}{:>12}{:>12}{:>12}\n", "", "zero-shot", "adapted", "change");
+  std::string text =
+      fmt::format("{:<34}{:>12}{:>12}{:>12}\n", "", "zero-shot", "adapted", "change");
   for (const Row& row : rows) {
     const bool loss = &row == rows;  // its zero means nothing
-    text += fmt::format("{:<34}{:>12}{:>12}{:>12}\n", row.name, cell(row.before), cell(row.after),
-                        loss ? fmt::format("{:+.4f}", *row.after - *row.before)
-                             : change(row.before, row.after));
+    text += fmt::format(
+        "{:<34}{:>12}{:>12}{:>12}\n", row.name, cell(row.before), cell(row.after),
+        loss ? fmt::format("{:+.4f}", *row.after - *row.before) : change(row.before, row.after));
   }
   return text;
 }

@@ -23,8 +23,8 @@ void MotionTracer::see(const StereoFrame& frame, const vo::VoOutput& seen) {
   const auto is_wanted = [&](std::size_t index) {
     return index < wanted_.size() && wanted_[index];
   };
-  const bool soon = is_wanted(frame.index) || is_wanted(frame.index + 1) ||
-                    is_wanted(frame.index + 2);
+  const bool soon =
+      is_wanted(frame.index) || is_wanted(frame.index + 1) || is_wanted(frame.index + 2);
   const auto now = soon ? std::make_shared<const StereoFrame>(frame) : nullptr;
   const int shrink_before = std::exchange(shrink_before_, seen.search.shrink);
   if (is_wanted(frame.index) && seen.motion.valid) {

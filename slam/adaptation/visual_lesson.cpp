@@ -37,8 +37,8 @@ Var match_lesson(nn::Tape<float>& tape,
                  const VisualClass& of,
                  std::size_t edge) {
   const vo::MatchLabels labels =
-      vo::match_labels(trace.correspondences, trace.pose, of.camera,
-                       of.teacher.T_body0_body1(edge), of.teacher.disparity_offset(), match.shrink);
+      vo::match_labels(trace.correspondences, trace.pose, of.camera, of.teacher.T_body0_body1(edge),
+                       of.teacher.disparity_offset(), match.shrink);
   const Var flow = vo::match_loss(tape, match.flow, labels.flow).total;
   const Var stereo = add(tape, vo::match_loss(tape, match.stereo0, labels.stereo0).total,
                          vo::match_loss(tape, match.stereo1, labels.stereo1).total);
@@ -55,9 +55,8 @@ Var matcher_lesson(nn::Tape<float>& tape,
                                 &trace.now->right, trace.search};
   const vo::ReplayedMatch match =
       vo::replay_match(tape, *of.networks.match(), images, trace.correspondences);
-  const auto motion =
-      vo::motion_cost(tape, match, trace.correspondences, recipe_of(trace, of),
-                      noise_of(tape, trace, of.networks), of.teacher.cost_of(edge));
+  const auto motion = vo::motion_cost(tape, match, trace.correspondences, recipe_of(trace, of),
+                                      noise_of(tape, trace, of.networks), of.teacher.cost_of(edge));
   usable = motion.usable;
   Var total = scale(tape, motion.cost, of.options.graph_weight / kDimensions);
   if (of.options.match_weight > 0.0) {

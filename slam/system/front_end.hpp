@@ -24,9 +24,9 @@ struct ModelRecord {
 
 struct FrontEnd {
   std::unique_ptr<vo::Matcher> matcher;
-  std::shared_ptr<const vo::PoseHead<float>> pose_head;         ///< none: the geometric head
-  std::shared_ptr<const vo::MotionNoise<float>> motion_noise;   ///< none: covariances as they are
-  std::shared_ptr<const imu::ImuNetwork<float>> imu_network;    ///< none: raw readings
+  std::shared_ptr<const vo::PoseHead<float>> pose_head;        ///< none: the geometric head
+  std::shared_ptr<const vo::MotionNoise<float>> motion_noise;  ///< none: covariances as they are
+  std::shared_ptr<const imu::ImuNetwork<float>> imu_network;   ///< none: raw readings
   std::vector<ModelRecord> models;
 };
 

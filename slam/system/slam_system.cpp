@@ -234,10 +234,8 @@ SlamSystem::SlamSystem(const SlamOptions& options,
                        const StereoCamera& camera,
                        const std::optional<ImuNoise>& imu_noise,
                        const Networks* networks)
-    : state_(std::make_unique<State>(options,
-                                     camera,
-                                     imu_noise,
-                                     make_front_end(options, camera, networks))) {}
+    : state_(std::make_unique<State>(
+          options, camera, imu_noise, make_front_end(options, camera, networks))) {}
 
 SlamSystem::~SlamSystem() = default;
 

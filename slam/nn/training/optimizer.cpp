@@ -34,8 +34,8 @@ void Optimizer<S>::step(const ParameterList<S>& parameters,
     if (!parameter.trainable) continue;
     expects_shapes(gradients[i].shape() == parameter.value.shape(), "Optimizer::step: gradient",
                    gradients[i].shape(), parameter.value.shape());
-    update(parameter.value.array(), gradients[i].array(), memory_[i], 
-           rate * parameter.rate_factor, steps_);
+    update(parameter.value.array(), gradients[i].array(), memory_[i], rate * parameter.rate_factor,
+           steps_);
   }
 }
 
