@@ -28,7 +28,7 @@ constexpr const char* kExamples =
     "labels\n"
     "  imslam finetune MH_01_easy --epochs 20 --out runs/mh01_tuned\n"
     "  imslam finetune MH_01_easy --out runs/mh01_tuned --resume      go on after a stop\n"
-    "  imslam run MH_01_easy --networks runs/mh01_tuned/weights       use the result\n"
+    "  imslam run MH_01_easy --front-end learned --imu learned --networks runs/mh01_tuned/weights\n"
     "`imslam finetune --list` prints every key of the fine-tuning with its default and meaning.";
 
 struct FinetuneArguments {

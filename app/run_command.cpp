@@ -15,6 +15,7 @@
 #include "app/settings.hpp"
 #include "datasets/check.hpp"
 #include "datasets/open_sequence.hpp"
+#include "slam/adaptation/learned_networks.hpp"
 #include "slam/base/file.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/progress.hpp"
@@ -33,6 +34,7 @@ constexpr const char* kExamples =
     "  imslam run sequences/00 --frames 0:500        part of a KITTI sequence\n"
     "  imslam run MH_01_easy --imu off               vision only\n"
     "  imslam run MH_01_easy --front-end learned     matching by the trained network\n"
+    "  imslam run MH_01_easy --front-end learned --imu learned --networks tuned/weights\n"
     "  imslam run MH_01_easy --config paper_euroc    the published method's graph\n"
     "  imslam run MH_01_easy --set pgo.huber=3 --json";
 
@@ -44,6 +46,7 @@ struct RunArguments {
   std::string out;
   std::string runs = "runs";
   std::string frames;
+  std::string networks;
   int seed = -1;
   bool json = false;
   bool force = false;
@@ -56,6 +59,11 @@ void apply_flags(const RunArguments& arguments, Settings& settings) {
     config.set("system.front_end=" + arguments.front_end, "--front-end");
   }
   if (!arguments.imu.empty()) config.set("system.imu=" + arguments.imu, "--imu");
+  if (!arguments.networks.empty()) {
+    for (const std::string& assignment : adaptation::network_assignments(arguments.networks)) {
+      config.set(assignment, "--networks");
+    }
+  }
   if (arguments.seed >= 0) config.set(fmt::format("system.seed={}", arguments.seed), "--seed");
   settings.validate();
 }
@@ -127,6 +135,8 @@ void add_run_command(CLI::App& app, Action& action, const CommonOptions& common)
   command->add_option("--out", arguments->out, "Run folder (default: runs/<time>_<dataset>)");
   command->add_option("--runs", arguments->runs, "Where run folders go")->capture_default_str();
   command->add_option("--frames", arguments->frames, "Only frames A to B-1")->type_name("A:B");
+  command->add_option("--networks", arguments->networks,
+                      "Folder of weights that `imslam finetune` wrote");
   command->add_option("--seed", arguments->seed, "Seed of all randomness, 0 or more");
   command->add_flag("--json", arguments->json, "Print metrics.json instead of the table");
   command->add_flag("--force", arguments->force, "Replace an earlier run in --out");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "vo_net/flow_grid.hpp"
+#include "vo_net/regressed_motion.hpp"
 
 namespace imslam::vo {
 namespace {
@@ -11,70 +12,6 @@ namespace {
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
 constexpr double kFocalStep = 1e-2;    // [1] of the difference quotient: far above float's noise
-constexpr double kContradicted = 1.0;  // sigma of a direction that the points speak against
-
-/// What the network says.
-struct Look {
-  Eigen::Vector3d theta;
-  Eigen::Vector3d direction;
-  Eigen::Vector3d sigma_theta;  ///< [rad]
-  double sigma_direction = 0.0;
-};
-
-Look look_at(const PoseHead<float>& network,
-             const Correspondences& correspondences,
-             const StereoCamera& camera) {
-  nn::Tensor<float> grid = FlowGrid::make(1);
-  FlowGrid::fill(correspondences, camera, 0, grid);
-  nn::Tape<float> tape(nn::Mode::kInference);
-  const PoseHeadOutput answer = network.forward(tape, tape.constant(grid)).back();
-  const auto vector = [&](nn::Var v) {
-    const float* const x = tape.data(v);
-    return Eigen::Vector3d(static_cast<double>(x[0]), static_cast<double>(x[1]),
-                           static_cast<double>(x[2]));
-  };
-  Look look;
-  look.theta = vector(answer.rotation);
-  look.direction = vector(answer.direction).normalized();
-  look.sigma_theta = vector(answer.log_sigma_rotation).array().exp();
-  look.sigma_direction = std::exp(static_cast<double>(tape.data(answer.log_sigma_direction)[0]));
-  return look;
-}
-
-/// Covariance of T_left0_left1, right tangent.
-Matrix6 covariance_of(const Look& look, const ScaleResult& scale) {
-  const Eigen::Vector3d& d = look.direction;
-  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - d * d.transpose();
-  const double sigma_d =
-      scale.state == ScaleState::kBackwards ? kContradicted : look.sigma_direction;
-  Matrix6 C = Matrix6::Zero();  // of [direction theta]
-  C.topLeftCorner<3, 3>() = sigma_d * sigma_d * across;
-  C.bottomRightCorner<3, 3>() = look.sigma_theta.cwiseAbs2().asDiagonal();
-  // theta's error is on the left side of J_r: the rotation's right tangent is J_r dtheta.
-  const Eigen::Matrix3d J_r = lie::SO3d::right_jacobian(look.theta);
-  Matrix6 J = Matrix6::Zero();  // d[p tangent]/d[direction theta]
-  J.topLeftCorner<3, 3>() =
-      scale.scale * Eigen::Matrix3d::Identity() + d * scale.J_direction.transpose();
-  J.topRightCorner<3, 3>() = d * scale.J_rotation.transpose() * J_r;
-  J.bottomRightCorner<3, 3>() = J_r;
-  Matrix6 result = J * C * J.transpose();
-  // The errors of theta and d go together in a way that the network does not tell: claiming the
-  // part that comes from the scale alone made the whole far too sure (NEES), so none is claimed.
-  result.topRightCorner<3, 3>().setZero();
-  result.bottomLeftCorner<3, 3>().setZero();
-  // Standing still there is no direction: the length's uncertainty goes everywhere.
-  const Eigen::Matrix3d along = scale.state == ScaleState::kStandingStill
-                                    ? Eigen::Matrix3d::Identity().eval()
-                                    : (d * d.transpose()).eval();
-  result.topLeftCorner<3, 3>() += scale.sigma * scale.sigma * along;
-  Matrix6 turn = Matrix6::Identity();  // p_left0 to the right tangent's rho
-  turn.topLeftCorner<3, 3>() = lie::SO3d::exp(-look.theta).matrix();
-  return turn * result * turn.transpose();
-}
-
-lie::SE3d in_body(const lie::SE3d& T_left0_left1, const StereoCamera& camera) {
-  return camera.T_body_left * T_left0_left1 * camera.T_body_left.inverse();
-}
 
 bool within(const Matrix6& covariance, const PoseLayerOptions& limits) {
   const auto largest = [](const Eigen::Matrix3d& C) { return C.diagonal().maxCoeff(); };
@@ -88,7 +25,7 @@ bool within(const Matrix6& covariance, const PoseLayerOptions& limits) {
 }  // namespace
 
 struct RegressionHead::Regressed {
-  Look look;
+  MotionLook look;
   ScaleResult scale;
   lie::SE3d T_left0_left1;
 };
@@ -111,7 +48,10 @@ RegressionHead::Regressed RegressionHead::regress(const Correspondences& corresp
                                                   const StereoCamera& camera,
                                                   double disparity_offset) const {
   Regressed r;
-  r.look = look_at(*network_, correspondences, camera);
+  nn::Tensor<float> grid = FlowGrid::make(1);
+  FlowGrid::fill(correspondences, camera, 0, grid);
+  nn::Tape<float> tape(nn::Mode::kInference);
+  r.look = motion_look(tape, network_->forward(tape, tape.constant(grid)).back());
   const MotionDirection motion{lie::SO3d::exp(r.look.theta), r.look.direction};
   r.scale = correct_scale(correspondences, camera, motion, options_.scale, disparity_offset);
   r.T_left0_left1 = lie::SE3d(motion.R_left0_left1, r.scale.scale * r.look.direction);
@@ -137,7 +77,7 @@ PoseLayerResult RegressionHead::solve(const Correspondences& correspondences,
   if (r.scale.state == ScaleState::kUnknown || !r.T_left0_left1.matrix().allFinite()) return result;
   result.T_body0_body1 = in_body(r.T_left0_left1, camera);
   const Matrix6 adjoint = camera.T_body_left.adjoint();
-  result.covariance = adjoint * covariance_of(r.look, r.scale) * adjoint.transpose();
+  result.covariance = adjoint * regressed_covariance(r.look, r.scale).value * adjoint.transpose();
   result.valid = r.scale.inliers >= limits.min_inliers && within(result.covariance, limits);
   if (!result.valid) return result;
 

@@ -3,6 +3,8 @@
 #include <utility>
 
 #include "imu_net/imu_weights.hpp"
+#include "slam/base/config.hpp"
+#include "slam/base/error.hpp"
 #include "slam/nn/weights_io.hpp"
 #include "vo_net/match_weights.hpp"
 #include "vo_net/pose_head_weights.hpp"
@@ -128,15 +130,31 @@ std::vector<std::filesystem::path> LearnedNetworks::write(const std::filesystem:
   return files;
 }
 
-void use_networks(const std::filesystem::path& folder, system::SlamOptions& slam) {
-  const auto use = [&](const char* name, std::string& option) {
+std::vector<std::string> network_assignments(const std::filesystem::path& folder) {
+  std::vector<std::string> assignments;
+  const auto use = [&](const char* name, const char* key) {
     const auto file = folder / (std::string(name) + ".safetensors");
-    if (std::filesystem::exists(file)) option = file.string();
+    if (std::filesystem::exists(file)) assignments.push_back(key + ("=" + file.string()));
   };
-  use(kMatch, slam.vo.learned.weights);
-  use(kNoise, slam.vo.motion_noise);
-  use(kHead, slam.vo.regression.weights);
-  use(kImu, slam.imu_network.weights);
+  use(kMatch, "vo.learned.weights");
+  use(kNoise, "vo.motion_noise");
+  use(kHead, "vo.regression.weights");
+  use(kImu, "imu_network.weights");
+  if (assignments.empty()) {
+    throw InputError(folder.string() +
+                         ": no network here; expected the weights folder of a fine-tuning "
+                         "(match_network, motion_noise, pose_head, imu_network .safetensors)",
+                     ExitCode::kModel);
+  }
+  return assignments;
+}
+
+void use_networks(const std::filesystem::path& folder, system::SlamOptions& slam) {
+  Config config;
+  slam.describe(config);
+  for (const std::string& assignment : network_assignments(folder)) {
+    config.set(assignment, "networks");
+  }
 }
 
 }  // namespace imslam::adaptation

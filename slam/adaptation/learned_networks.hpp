@@ -59,7 +59,11 @@ class LearnedNetworks {
   nn::ParameterList<float> list_;
 };
 
-/// The options of a run with the networks of a folder that write() filled: those that are there.
+/// The networks that are in a folder that write() filled, as assignments to the keys of a run:
+/// "imu_network.weights=FOLDER/imu_network.safetensors". Throws InputError(kModel) if there is none.
+std::vector<std::string> network_assignments(const std::filesystem::path& folder);
+
+/// The options of a run with these networks.
 void use_networks(const std::filesystem::path& folder, system::SlamOptions& slam);
 
 }  // namespace imslam::adaptation

@@ -3,6 +3,8 @@
 #include "slam/nn/ops/arithmetic.hpp"
 #include "slam/nn/ops/pointwise.hpp"
 #include "vo_net/match_labels.hpp"
+#include "vo_net/pose_head_loss.hpp"
+#include "vo_net/regression_cost.hpp"
 
 namespace imslam::adaptation {
 namespace {
@@ -10,6 +12,8 @@ namespace {
 using nn::Var;
 
 constexpr double kDimensions = 6.0;
+constexpr double kEarlyLook = 0.3;        // weight of looks before the last, see pose_head_loss()
+constexpr double kLeastMotion_m = 0.002;  // shorter ones have no direction
 
 Var noise_of(nn::Tape<float>& tape, const MotionTrace& trace, const LearnedNetworks& networks) {
   if (networks.motion_noise() == nullptr) return {};
@@ -66,6 +70,41 @@ Var matcher_lesson(nn::Tape<float>& tape,
   return total;
 }
 
+/// The graph's motion as the pose head should have said it.
+vo::PoseHeadTruth<float> head_truth(const lie::SE3d& T_body0_body1, const StereoCamera& camera) {
+  const lie::SE3d T_left0_left1 =
+      camera.T_body_left.inverse() * T_body0_body1 * camera.T_body_left;
+  const Eigen::Vector3d theta = T_left0_left1.rotation().log();
+  const Eigen::Vector3d& p = T_left0_left1.translation();
+  const bool moves = p.norm() > kLeastMotion_m;
+  const Eigen::Vector3d direction = moves ? p.normalized() : Eigen::Vector3d::UnitZ().eval();
+  vo::PoseHeadTruth<float> truth{nn::Tensor<float>({1, 3}), nn::Tensor<float>({1, 3}),
+                                 nn::Tensor<float>({1, 1})};
+  for (nn::Index i = 0; i < 3; ++i) {
+    truth.rotation[i] = static_cast<float>(theta[i]);
+    truth.direction[i] = static_cast<float>(direction[i]);
+  }
+  truth.moves[0] = moves ? 1.0F : 0.0F;
+  return truth;
+}
+
+/// Matches that do not learn, pose head, scale, graph.
+Var head_lesson(nn::Tape<float>& tape,
+                const MotionTrace& trace,
+                const VisualClass& of,
+                std::size_t edge,
+                bool& usable) {
+  const auto motion = vo::regression_cost(
+      tape, *of.networks.pose_head(), trace.correspondences, recipe_of(trace, of),
+      of.vo.regression.scale, noise_of(tape, trace, of.networks), of.teacher.cost_of(edge));
+  usable = motion.usable;
+  const Var said = vo::pose_head_loss(tape, motion.looks,
+                                      head_truth(of.teacher.T_body0_body1(edge), of.camera),
+                                      kEarlyLook);
+  return add(tape, scale(tape, motion.cost, of.options.graph_weight / kDimensions),
+             scale(tape, said, of.options.match_weight));
+}
+
 }  // namespace
 
 Var visual_lesson(nn::Tape<float>& tape,
@@ -77,6 +116,9 @@ Var visual_lesson(nn::Tape<float>& tape,
   const Var nothing = tape.constant(nn::Tensor<float>({1}));
   if (!edge) return nothing;
   const bool geometric = of.vo.head == "geometric";
+  if (!geometric && of.networks.pose_head() != nullptr) {
+    return head_lesson(tape, trace, of, *edge, usable);
+  }
   if (geometric && of.networks.match() != nullptr) {
     return matcher_lesson(tape, trace, of, *edge, usable);
   }
