@@ -29,21 +29,47 @@ double log_det_covariance(const Eigen::Ref<const Eigen::MatrixXd>& W) {
   return -2.0 * W.diagonal().array().log().sum();
 }
 
-template <int kSize>
+/// r = W e with W of the measurement's own covariance; J_measurement is whitened alike.
+template <int kSize, typename KernelAt>
 EdgeLikelihood<kSize> likelihood(const Eigen::Matrix<double, kSize, 1>& residual,
                                  const Eigen::Matrix<double, kSize, kSize>& J_measurement,
                                  const Eigen::Matrix<double, kSize, kSize>& W,
-                                 const Eigen::Matrix<double, kSize, kSize>& spread,
-                                 const ceres::LossFunction* loss) {
+                                 const Foretold<kSize>& others,
+                                 const KernelAt& kernel_at_square) {
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
-  const Kernel kernel = kernel_at(loss, residual.squaredNorm());
-  const Matrix information = W.transpose() * W;
-  const Eigen::Matrix<double, kSize, 1> a = W.transpose() * residual;
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  // In units of W: u = r + W shift, C = I + W S W^T.
+  const Vector u = residual + W * others.shift;
+  const Matrix C = Matrix::Identity() + W * others.spread * W.transpose();
+  const Eigen::LLT<Matrix> llt(C);
+  const Vector a = llt.solve(u);
+  const Kernel kernel = kernel_at_square(u.dot(a));
+  const Matrix L = llt.matrixL();
+  const double log_det = 2.0 * L.diagonal().array().log().sum() + log_det_covariance(W);
   EdgeLikelihood<kSize> result;
-  result.nll = 0.5 * (kernel.value + (information * spread).trace() + log_det_covariance(W));
-  result.gradient.motion = kernel.slope * (J_measurement.transpose() * residual);
-  result.gradient.covariance =
-      0.5 * (information - kernel.slope * a * a.transpose() - information * spread * information);
+  result.nll = 0.5 * (kernel.value + log_det);
+  result.gradient.motion = kernel.slope * (J_measurement.transpose() * a);
+  const Vector back = W.transpose() * a;
+  result.gradient.covariance = 0.5 * (W.transpose() * llt.solve(W) -
+                                      kernel.slope * back * back.transpose());
+  return result;
+}
+
+template <int kSize>
+Foretold<kSize> foretold(const Eigen::Matrix<double, kSize, 1>& r,
+                         const Eigen::Matrix<double, kSize, kSize>& W,
+                         const Eigen::Matrix<double, kSize, kSize>& spread) {
+  using Matrix = Eigen::Matrix<double, kSize, kSize>;
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+  const Matrix leverage = W * spread * W.transpose();
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (leverage + leverage.transpose()));
+  const Vector share = eigen.eigenvalues().cwiseMax(0.0).cwiseMin(kFullLeverage);
+  const Vector odds = share.array() / (1.0 - share.array());
+  const Matrix unwhitened =
+      W.template triangularView<Eigen::Lower>().solve(Matrix(eigen.eigenvectors()));
+  Foretold<kSize> result;
+  result.shift = unwhitened * odds.asDiagonal() * (eigen.eigenvectors().transpose() * r);
+  result.spread = unwhitened * odds.asDiagonal() * unwhitened.transpose();
   return result;
 }
 
@@ -75,69 +101,56 @@ ImuFactor::Linearization at_solution(const PoseVelocityGraph& graph,
   return ImuFactor(motion, W, graph.options().gravity_magnitude).linearize(point);
 }
 
+Kernel robust(double square) {
+  const double limit = kRobust * 9.0;
+  if (square <= limit) return {square, 1.0};
+  return {2.0 * std::sqrt(limit * square) - limit, std::sqrt(limit / square)};
+}
+
 template <int kSize>
-double left_out(const Eigen::Matrix<double, kSize, 1>& r,
-                const Eigen::Matrix<double, kSize, kSize>& W,
-                const Eigen::Matrix<double, kSize, kSize>& spread) {
-  using Matrix = Eigen::Matrix<double, kSize, kSize>;
-  const Matrix leverage = W * spread * W.transpose();
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (leverage + leverage.transpose()));
-  double square = 0.0;
-  double log_det = log_det_covariance(W);
-  int dimensions = 0;
-  for (int k = 0; k < kSize; ++k) {
-    const double share = eigen.eigenvalues()[k];
-    if (share > kFullLeverage) continue;
-    const double along = eigen.eigenvectors().col(k).dot(r);
-    square += along * along / (1.0 - share);
-    log_det -= std::log(1.0 - share);
-    ++dimensions;
-  }
-  const double limit = kRobust * dimensions;
-  if (square > limit) square = 2.0 * std::sqrt(limit * square) - limit;
-  return 0.5 * (square + log_det);
+EdgeLikelihood<kSize> nothing() {
+  return {0.0,
+          {Eigen::Matrix<double, kSize, 1>::Zero(), Eigen::Matrix<double, kSize, kSize>::Zero()}};
 }
 
 }  // namespace
 
+Foretold<6> foretold_visual(const PoseVelocityGraph& graph,
+                            const PosteriorSpread& spread,
+                            std::size_t edge) {
+  const VisualEdge& e = graph.visual_edges().at(edge);
+  const auto at = at_solution(graph.data(), e, e.motion, e.sqrt_information);
+  return foretold<6>(at.residual, e.sqrt_information, spread.visual.at(edge));
+}
+
+Foretold<9> foretold_inertial(const PoseVelocityGraph& graph,
+                              const PosteriorSpread& spread,
+                              std::size_t edge) {
+  const InertialEdge& e = graph.inertial_edges().at(edge);
+  const auto at = at_solution(graph, e, e.motion, e.sqrt_information);
+  return foretold<9>(at.residual, e.sqrt_information, spread.inertial.at(edge));
+}
+
 EdgeLikelihood<6> visual_likelihood(const PoseVelocityGraph& graph,
                                     std::size_t edge,
                                     const RelativeMotion& motion,
-                                    const Eigen::Matrix<double, 6, 6>& spread) {
+                                    const Foretold<6>& others) {
   const auto W = sqrt_information(motion.covariance);
-  if (!W) {
-    return {0.0, {Eigen::Matrix<double, 6, 1>::Zero(), Eigen::Matrix<double, 6, 6>::Zero()}};
-  }
+  if (!W) return nothing<6>();
   const auto at = at_solution(graph.data(), graph.visual_edges().at(edge), motion, *W);
-  return likelihood<6>(at.residual, at.J_measurement, *W, spread, make_loss(graph.options()).get());
+  const auto loss = make_loss(graph.options());
+  return likelihood<6>(at.residual, at.J_measurement, *W, others,
+                       [&](double square) { return kernel_at(loss.get(), square); });
 }
 
 EdgeLikelihood<9> inertial_likelihood(const PoseVelocityGraph& graph,
                                       std::size_t edge,
                                       const ImuMotion& motion,
-                                      const Eigen::Matrix<double, 9, 9>& spread) {
+                                      const Foretold<9>& others) {
   const auto W = sqrt_information(motion.covariance);
-  if (!W) {
-    return {0.0, {Eigen::Matrix<double, 9, 1>::Zero(), Eigen::Matrix<double, 9, 9>::Zero()}};
-  }
+  if (!W) return nothing<9>();
   const auto at = at_solution(graph, graph.inertial_edges().at(edge), motion, *W);
-  return likelihood<9>(at.residual, at.J_measurement, *W, spread, nullptr);
-}
-
-double left_out_nll(const PoseVelocityGraph& graph,
-                    const PosteriorSpread& spread,
-                    std::size_t visual_edge) {
-  const VisualEdge& edge = graph.visual_edges().at(visual_edge);
-  const auto at = at_solution(graph.data(), edge, edge.motion, edge.sqrt_information);
-  return left_out<6>(at.residual, edge.sqrt_information, spread.visual.at(visual_edge));
-}
-
-double left_out_nll_inertial(const PoseVelocityGraph& graph,
-                             const PosteriorSpread& spread,
-                             std::size_t inertial_edge) {
-  const InertialEdge& edge = graph.inertial_edges().at(inertial_edge);
-  const auto at = at_solution(graph, edge, edge.motion, edge.sqrt_information);
-  return left_out<9>(at.residual, edge.sqrt_information, spread.inertial.at(inertial_edge));
+  return likelihood<9>(at.residual, at.J_measurement, *W, others, robust);
 }
 
 }  // namespace imslam::pgo

@@ -5,49 +5,54 @@
 
 namespace imslam::pgo {
 
-/// What the graph says about one measurement: its negative log-likelihood at the solution, the
-/// states known only with a spread S (see PosteriorSpread), and the slopes of that.
-///
-///   e = residual, unwhitened      l = 1/2 rho(e^T Sigma^-1 e) + 1/2 tr(Sigma^-1 S)
-///                                     + 1/2 log det Sigma
-///
-/// With S = 0 this is the graph's own cost of the edge and its normalisation. But a covariance that
-/// shrinks takes the states along until nothing is left of e: the sum over all edges of the graph
-/// falls without limit as one Sigma -> 0. S is what the evidence, the likelihood of the
-/// measurements with the states integrated out (Laplace), adds: by Fisher's identity its gradient
-/// is that of the expected likelihood, E[e e^T] = e e^T + S. S counts as a constant.
+/// A negative log-likelihood of one measurement, without the constant of 2 pi, and its slopes.
 template <int kSize>
 struct EdgeLikelihood {
-  double nll = 0.0;  ///< without the constant of 2 pi
+  double nll = 0.0;
   EdgeGradient<kSize> gradient;
 };
 
-/// Of visual edge number `edge` with `motion` in the place of its measurement. `rho` is the graph's
-/// kernel. Zero likelihood and gradient if the covariance of `motion` is not positive.
+/// What all the others say about one measurement: where it should lie and how surely, as a
+/// residual at the graph's solution. Had without solving again: with r = W e the whitened residual
+/// of the measurement that took part in the solution and V diag(l) V^T = W S W^T its leverage,
+///
+///   S_others = W^-1 V diag(l / (1 - l)) V^T W^-T      shift = W^-1 V diag(l / (1 - l)) V^T r
+///
+/// e + shift is the residual against the states as they would be without the measurement, whose
+/// spread is S_others. Directions that nothing else measures (l = 1) get a spread that says so.
+/// Source of the identity: Cook and Weisberg, "Residuals and Influence in Regression", 1982.
+template <int kSize>
+struct Foretold {
+  Eigen::Matrix<double, kSize, 1> shift = Eigen::Matrix<double, kSize, 1>::Zero();
+  Eigen::Matrix<double, kSize, kSize> spread = Eigen::Matrix<double, kSize, kSize>::Zero();
+};
+
+Foretold<6> foretold_visual(const PoseVelocityGraph& graph,
+                            const PosteriorSpread& spread,
+                            std::size_t edge);
+Foretold<9> foretold_inertial(const PoseVelocityGraph& graph,
+                              const PosteriorSpread& spread,
+                              std::size_t edge);
+
+/// Likelihood of `motion` in the place of a visual edge's measurement, the states held:
+///
+///   u = e(motion) + shift     C = Sigma + S_others     l = 1/2 rho(u^T C^-1 u) + 1/2 log det C
+///
+/// Without others (shift = 0, S_others = 0) it is the graph's own cost of the edge with its
+/// normalisation, so that the sum over the edges is the joint likelihood. But under that one a
+/// covariance that shrinks takes the states along, and a network that repeats what the states say
+/// confirms itself: the sum falls without limit as one Sigma -> 0. Held against the others alone a
+/// measurement can do neither.
+///
+/// rho is the graph's kernel; of inertial edges robust_square (16 per dimension). Zero likelihood
+/// and gradient if the covariance of `motion` is not positive.
 EdgeLikelihood<6> visual_likelihood(const PoseVelocityGraph& graph,
                                     std::size_t edge,
                                     const RelativeMotion& motion,
-                                    const Eigen::Matrix<double, 6, 6>& spread);
-
-/// Of inertial edge number `edge` likewise; no kernel.
+                                    const Foretold<6>& others = {});
 EdgeLikelihood<9> inertial_likelihood(const PoseVelocityGraph& graph,
                                       std::size_t edge,
                                       const ImuMotion& motion,
-                                      const Eigen::Matrix<double, 9, 9>& spread);
-
-/// How well all others foretell a measurement that took part in the solution: its negative
-/// log-likelihood if it had been left out, without solving again,
-///
-///   l = 1/2 r^T (I - Lambda)^-1 r - 1/2 log det(I - Lambda) + 1/2 log det Sigma
-///
-/// r = W e, leverage Lambda = W S W^T. The square counts as robust_square beyond 16 per dimension,
-/// so that one edge does not decide. Directions that nothing else measures (leverage 1) do not
-/// count. Source of the identity: Cook and Weisberg, "Residuals and Influence in Regression", 1982.
-double left_out_nll(const PoseVelocityGraph& graph,
-                    const PosteriorSpread& spread,
-                    std::size_t visual_edge);
-double left_out_nll_inertial(const PoseVelocityGraph& graph,
-                             const PosteriorSpread& spread,
-                             std::size_t inertial_edge);
+                                      const Foretold<9>& others = {});
 
 }  // namespace imslam::pgo

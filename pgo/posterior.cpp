@@ -96,6 +96,21 @@ std::vector<ceres::ResidualBlockId> edges_of(const GraphProblem& graph) {
   return ids;
 }
 
+/// rho' of a visual edge: its rows of J are those of the factor times the root of that.
+double kernel_weight(const PoseVelocityGraph& graph,
+                     const VisualEdge& edge,
+                     const ceres::LossFunction* loss) {
+  if (loss == nullptr) return 1.0;
+  const GraphData& data = graph.data();
+  const auto residual = RelativePoseFactor(edge.motion, edge.sqrt_information)
+                            .residual(data.states[static_cast<std::size_t>(edge.from)].nav.T_world_body,
+                                      data.states[static_cast<std::size_t>(edge.to)].nav.T_world_body,
+                                      data.globals.disparity_offset, data.globals.focal_error);
+  double rho[3];
+  loss->Evaluate(residual.squaredNorm(), rho);
+  return std::max(rho[1], 1e-6);
+}
+
 void append_columns(Eigen::Index first, int count, std::vector<Eigen::Index>& columns) {
   for (int d = 0; d < count; ++d) columns.push_back(first < 0 ? -1 : first + d);
 }
@@ -122,10 +137,12 @@ std::optional<Posterior> Posterior::of(const PoseVelocityGraph& graph) {
   if (system->factor.info() != Eigen::Success || !inverse) return std::nullopt;
 
   const RowMajor J = linearize(problem, blocks, edges_of(problem)).J;
+  const auto loss = make_loss(graph.options());
   Eigen::Index row = 0;
   for (const VisualEdge& edge : data.visual_edges) {
+    const double weight = kernel_weight(graph, edge, loss.get());
     system->spread.visual.push_back(
-        unwhitened<6>(spread_of_rows<6>(J, row, *inverse), edge.sqrt_information));
+        unwhitened<6>(spread_of_rows<6>(J, row, *inverse), edge.sqrt_information) / weight);
     row += 6;
   }
   for (const InertialEdge& edge : data.inertial_edges) {

@@ -40,6 +40,8 @@ void AdaptationOptions::describe(Config& config) {
   config.field("motion_noise", motion_noise, "the covariance of motions learns");
   config.field("pose_head", pose_head, "the pose head learns, where there is one");
   config.field("imu", imu, "the IMU network learns, where there is one");
+  config.field("upper", upper, {"left_out", "joint"},
+               "each measurement against what the others foretell, or the graph's own cost");
   config.field("graph_weight", graph_weight, "of the motions' likelihood under the graph");
   config.field("match_weight", match_weight, "of the matches' likelihood at the graph's motions");
   config.field("imu_weight", imu_weight, "of the inertial likelihoods");
@@ -48,6 +50,9 @@ void AdaptationOptions::describe(Config& config) {
   config.field("held_out", held_out, "share of the frames that no network learns from [1]");
   config.field("stretch", stretch, "frames that are held out in a row");
   config.field("imu_crop_s", imu_crop_s, "of the log per step [s]");
+  config.field("online_every", online_every, "frames between two steps of online adaptation");
+  config.field("online_rate", online_rate, "learning rate of online adaptation");
+  config.field("online_memory_s", online_memory_s, "inertial past that it learns from [s]");
 }
 
 void AdaptationOptions::validate() const {
@@ -62,6 +67,9 @@ void AdaptationOptions::validate() const {
   require(imu_rate > 0.0, "imu_rate", imu_rate, "> 0");
   require(noise_rate > 0.0, "noise_rate", noise_rate, "> 0");
   require(imu_crop_s >= 5.0, "imu_crop_s", imu_crop_s, "5 or more");
+  require(online_every >= 1, "online_every", online_every, "1 or more");
+  require(online_rate > 0.0, "online_rate", online_rate, "> 0");
+  require(online_memory_s >= 5.0, "online_memory_s", online_memory_s, "5 or more");
   completed().validate_training();
 }
 

@@ -22,6 +22,7 @@ struct AdaptationOptions : learner::TrainingOptions {
   bool pose_head = true;          ///< of vo.head: regression
   bool imu = true;                ///< of system.imu: learned
 
+  std::string upper = "left_out";  ///< each measurement against the others, or joint: U = L
   double graph_weight = 1.0;  ///< of the motions' likelihood under the graph, per dimension
   double match_weight = 1.0;  ///< of the matches' likelihood at the graph's motions, per point
   double imu_weight = 1.0;    ///< of the inertial likelihoods, beside one step's motions
@@ -31,6 +32,10 @@ struct AdaptationOptions : learner::TrainingOptions {
   double held_out = 0.2;     ///< [1] share of the frames that no network learns from
   int stretch = 20;          ///< [frames] that are held out in a row
   double imu_crop_s = 60.0;  ///< [s] of the log per step
+
+  int online_every = 10;         ///< [frames] between two steps of online adaptation
+  double online_rate = 1e-4;     ///< learning rate of it
+  double online_memory_s = 60.0; ///< [s] of the inertial past that it learns from
 
   int motions_per_step() const { return edges; }
 

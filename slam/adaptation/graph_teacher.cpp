@@ -17,8 +17,8 @@ double root_mean(const Eigen::Vector3d& variances) {
 
 }  // namespace
 
-GraphTeacher::GraphTeacher(pgo::PoseVelocityGraph graph, pgo::Posterior posterior)
-    : graph_(std::move(graph)), posterior_(std::move(posterior)) {
+GraphTeacher::GraphTeacher(pgo::PoseVelocityGraph graph, pgo::Posterior posterior, bool joint)
+    : graph_(std::move(graph)), posterior_(std::move(posterior)), joint_(joint) {
   const auto& edges = graph_.visual_edges();
   for (std::size_t e = 0; e < edges.size(); ++e) {
     visual_edges_.insert({{edges[e].motion.time0_ns, edges[e].motion.time1_ns}, e});
@@ -26,6 +26,7 @@ GraphTeacher::GraphTeacher(pgo::PoseVelocityGraph graph, pgo::Posterior posterio
 }
 
 std::optional<GraphTeacher> GraphTeacher::of(const system::SlamResult& result,
+                                             bool joint,
                                              std::string& reason) {
   if (!result.solve.converged) {
     reason = "the graph has not converged: " + result.solve.reason;
@@ -33,12 +34,18 @@ std::optional<GraphTeacher> GraphTeacher::of(const system::SlamResult& result,
   }
   pgo::PoseVelocityGraph graph(result.graph_options);
   graph.data() = result.graph_data;
+  return of(std::move(graph), joint, reason);
+}
+
+std::optional<GraphTeacher> GraphTeacher::of(pgo::PoseVelocityGraph graph,
+                                             bool joint,
+                                             std::string& reason) {
   auto posterior = pgo::Posterior::of(graph);
   if (!posterior) {
     reason = "the graph does not determine its states";
     return std::nullopt;
   }
-  return GraphTeacher(std::move(graph), std::move(*posterior));
+  return GraphTeacher(std::move(graph), std::move(*posterior), joint);
 }
 
 std::optional<std::size_t> GraphTeacher::visual_edge(std::int64_t time0_ns,
@@ -49,12 +56,18 @@ std::optional<std::size_t> GraphTeacher::visual_edge(std::int64_t time0_ns,
 }
 
 vo::MotionCost GraphTeacher::cost_of(std::size_t visual_edge) const {
-  return [this, visual_edge](const RelativeMotion& motion) {
-    const auto likelihood = pgo::visual_likelihood(graph_, visual_edge, motion,
-                                                   posterior_.spread().visual[visual_edge]);
-    return vo::MotionSlope{likelihood.nll, likelihood.gradient.motion,
-                           likelihood.gradient.covariance};
+  pgo::Foretold<6> others;
+  if (!joint_) others = pgo::foretold_visual(graph_, posterior_.spread(), visual_edge);
+  return [this, visual_edge, others](const RelativeMotion& motion) {
+    const auto l = pgo::visual_likelihood(graph_, visual_edge, motion, others);
+    return vo::MotionSlope{l.nll, l.gradient.motion, l.gradient.covariance};
   };
+}
+
+pgo::EdgeLikelihood<9> GraphTeacher::inertial(std::size_t edge, const ImuMotion& motion) const {
+  pgo::Foretold<9> others;
+  if (!joint_) others = pgo::foretold_inertial(graph_, posterior_.spread(), edge);
+  return pgo::inertial_likelihood(graph_, edge, motion, others);
 }
 
 lie::SE3d GraphTeacher::T_body0_body1(std::size_t visual_edge) const {
@@ -70,13 +83,15 @@ double GraphTeacher::left_out_loss(const std::function<bool(std::size_t state)>&
   const auto& visual = graph_.visual_edges();
   for (std::size_t e = 0; e < visual.size(); ++e) {
     if (!counts(static_cast<std::size_t>(visual[e].to))) continue;
-    sum += pgo::left_out_nll(graph_, posterior_.spread(), e);
+    const auto others = pgo::foretold_visual(graph_, posterior_.spread(), e);
+    sum += pgo::visual_likelihood(graph_, e, visual[e].motion, others).nll;
     dimensions += kVisualDimensions;
   }
   const auto& inertial = graph_.inertial_edges();
   for (std::size_t e = 0; e < inertial.size(); ++e) {
     if (!counts(static_cast<std::size_t>(inertial[e].to))) continue;
-    sum += pgo::left_out_nll_inertial(graph_, posterior_.spread(), e);
+    const auto others = pgo::foretold_inertial(graph_, posterior_.spread(), e);
+    sum += pgo::inertial_likelihood(graph_, e, inertial[e].motion, others).nll;
     dimensions += kInertialDimensions;
   }
   return dimensions > 0.0 ? sum / dimensions : 0.0;

@@ -14,15 +14,21 @@ namespace imslam::adaptation {
 
 /// What the solved graph of a run knows better than the measurements that went into it.
 ///
-///   U = - log evidence of the measurements = sum over edges of their likelihood at the solution,
-///       the spread of the states included (pgo::EdgeLikelihood)
+///   U = sum over edges of the likelihood of each measurement, foretold by all the others
+///       (upper: left_out), or at the solution itself, U = L (upper: joint); pgo::EdgeLikelihood
 ///
-/// The states are the stationary point of the same likelihoods, so that dU/dz at the solution is
-/// the whole derivative ("one step") as long as the solve has converged.
+/// The states are the stationary point of the joint likelihood: of U = L the derivative by a
+/// measurement at the solution is the whole one ("one step") as long as the solve has converged.
 class GraphTeacher {
  public:
   /// Empty, with the reason, if the graph cannot teach: not converged, or not determined.
-  static std::optional<GraphTeacher> of(const system::SlamResult& result, std::string& reason);
+  static std::optional<GraphTeacher> of(const system::SlamResult& result,
+                                        bool joint,
+                                        std::string& reason);
+  /// Of a graph that has been solved, e.g. a sliding window.
+  static std::optional<GraphTeacher> of(pgo::PoseVelocityGraph graph,
+                                        bool joint,
+                                        std::string& reason);
 
   const pgo::PoseVelocityGraph& graph() const { return graph_; }
   const pgo::Posterior& posterior() const { return posterior_; }
@@ -31,12 +37,14 @@ class GraphTeacher {
   std::optional<std::size_t> visual_edge(std::int64_t time0_ns, std::int64_t time1_ns) const;
   /// U of that edge for another measurement in its place.
   vo::MotionCost cost_of(std::size_t visual_edge) const;
+  /// The same of an inertial edge.
+  pgo::EdgeLikelihood<9> inertial(std::size_t edge, const ImuMotion& motion) const;
   /// The motion as the solution has it.
   lie::SE3d T_body0_body1(std::size_t visual_edge) const;
   double disparity_offset() const { return graph_.globals().disparity_offset; }
 
   /// Mean over the edges whose later frame counts of how badly all other measurements foretell
-  /// them (pgo::left_out_nll), per dimension: the self-supervised loss that networks are chosen
+  /// them, per dimension: the self-supervised loss that networks are chosen
   /// by. 0 without such edges.
   double left_out_loss(const std::function<bool(std::size_t state)>& counts) const;
 
@@ -46,10 +54,11 @@ class GraphTeacher {
                                      const ImuNoise& noise) const;
 
  private:
-  GraphTeacher(pgo::PoseVelocityGraph graph, pgo::Posterior posterior);
+  GraphTeacher(pgo::PoseVelocityGraph graph, pgo::Posterior posterior, bool joint);
 
   pgo::PoseVelocityGraph graph_;
   pgo::Posterior posterior_;
+  bool joint_;
   std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> visual_edges_;  ///< by their times
 };
 

@@ -46,9 +46,7 @@ imu::EdgeNoiseTask edge_task(const InertialClass& of, const training::Correction
     }
     task.edges.push_back({motion.time0_ns, motion.time1_ns, motion.bias, motion.time_offset_s,
                           [&of, e](const ImuMotion& now) {
-                            const auto l = pgo::inertial_likelihood(
-                                of.teacher.graph(), e, now,
-                                of.teacher.posterior().spread().inertial[e]);
+                            const auto l = of.teacher.inertial(e, now);
                             return imu::CovarianceSlope{l.nll, l.gradient.covariance};
                           }});
   }

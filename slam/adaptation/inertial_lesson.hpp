@@ -22,7 +22,7 @@ struct InertialClass {
 /// What the inertial log teaches, on a tape:
 ///
 ///   graph_weight / 9 U(edge covariances)      what the network adds to the noise of the graph's
-///                                             edges, at the solution (pgo::inertial_likelihood)
+///                                             edges (GraphTeacher::inertial)
 ///   + imu::correction_loss()                  open integration over 0.5 to 10 s of the corrected
 ///                                             readings against the graph's own trajectory
 nn::Var inertial_lesson(nn::Tape<float>& tape, const InertialClass& of, Random random);

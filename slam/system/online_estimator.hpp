@@ -28,6 +28,7 @@ class OnlineEstimator {
   const Trajectory& trajectory() const { return trajectory_; }
 
   bool started() const { return window_.has_value(); }
+  const pgo::SlidingWindow& window() const { return *window_; }  ///< once started
   /// The newest bias; zero before the start.
   ImuBias bias() const { return window_ ? window_->newest().bias : ImuBias(); }
 

@@ -115,6 +115,7 @@ RunOutcome run_sequence(datasets::Sequence& sequence,
   const auto start = std::chrono::steady_clock::now();
   SlamSystem slam(options, sequence.camera(), noise, request.networks);
   slam.observe(request.observe);
+  slam.observe_window(request.observe_window);
   ImuFeed imu(inertial ? &sequence.imu()->samples : nullptr, sequence.frame_time_ns(range.first),
               slam);
   datasets::FrameReader reader(sequence, range.first, range.last);

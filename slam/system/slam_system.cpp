@@ -82,6 +82,7 @@ class SlamSystem::State {
   SlamResult finish();
 
   FrameObserver observer;
+  WindowObserver window_observer;
 
  private:
   FrameReport see(const StereoFrame& frame) {
@@ -102,6 +103,7 @@ class SlamSystem::State {
       const StageScope scope(result_.timing, "sliding window");
       online_.update(measurements_, seen_disparity_offset());
     }
+    if (window_observer && online_.started()) window_observer(online_.window().graph());
     const auto index = static_cast<std::uint32_t>(measurements_.times_ns.size() - 1);
     map_sampler_.add(frame, index, seen, result_.map);
     return {seen.motion.inliers, vision};
@@ -248,6 +250,10 @@ SlamSystem::FrameReport SlamSystem::process(const StereoFrame& frame) {
 }
 
 void SlamSystem::observe(FrameObserver observer) { state_->observer = std::move(observer); }
+
+void SlamSystem::observe_window(WindowObserver observer) {
+  state_->window_observer = std::move(observer);
+}
 
 SlamResult SlamSystem::finish() { return state_->finish(); }
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "pgo/pose_velocity_graph.hpp"
 #include "slam/sensors/calibration.hpp"
 #include "slam/sensors/imu.hpp"
 #include "slam/sensors/stereo.hpp"
@@ -16,6 +17,8 @@
 namespace imslam::system {
 
 using FrameObserver = std::function<void(const StereoFrame& frame, const vo::VoOutput& seen)>;
+
+using WindowObserver = std::function<void(const pgo::PoseVelocityGraph& window)>;
 
 /// The SLAM loop: frames and inertial samples in, states out. Knows no files.
 ///
@@ -50,6 +53,8 @@ class SlamSystem {
 
   /// Tells somebody what the odometry saw in each frame.
   void observe(FrameObserver observer);
+  /// And what the sliding window made of it, from when it has started; after the frame's observer.
+  void observe_window(WindowObserver observer);
 
   /// Solves the graph over everything seen so far. Call it once, at the end.
   SlamResult finish();
