@@ -17,10 +17,12 @@ constexpr int kDescents = 50;         ///< at most, each one gradient
 
 // Steps of the differences: in standard deviations of the whole graph's residual, and for the
 // largest entry of the tangent. The rule's error is of the fourth order in them.
-constexpr double kStep = 0.1;
+constexpr double kStep = 0.05;
 constexpr double kTangentStep = 1e-2;  // [rad], [m], ...
 
-constexpr double kLinearTolerance = 1e-11;  ///< relative, of H q = v
+// Of H q = v, relative: what conjugate gradient aims at, and what rounding may leave of it.
+constexpr double kLinearAim = 1e-10;
+constexpr double kLinearTolerance = 1e-7;
 constexpr int kLinearIterations = 100;
 
 }  // namespace
@@ -147,8 +149,8 @@ std::optional<learner::Vector> SlamLowerProblem::hessian_solve(const Vector& v) 
   if (!factored_) return std::nullopt;
   const auto H = [this](const Vector& x) { return hessian_product(x); };
   learner::LinearSolution solution =
-      learner::conjugate_gradient(H, v, {kLinearTolerance, kLinearIterations, 0.0});
-  if (!solution.report.converged) return std::nullopt;
+      learner::conjugate_gradient(H, v, {kLinearAim, kLinearIterations, 0.0});
+  if (!(solution.report.residual <= kLinearTolerance)) return std::nullopt;
   return std::move(solution.q);
 }
 

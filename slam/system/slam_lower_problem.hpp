@@ -60,7 +60,8 @@ class SlamLowerProblem : public learner::LowerProblem,
 
   Vector hessian_product(const Vector& v) const override;
   Vector mixed_product(const Vector& v) const override;
-  /// Empty: J^T J is singular, or H not positive.
+  /// To a relative residual of 1e-9 or so, as far as the differences go: ask the strategy for a
+  /// linear_tolerance of 1e-7. Empty: J^T J is singular, or H not positive.
   std::optional<Vector> hessian_solve(const Vector& v) const override;
 
   /// The graph at the last solution, with the measurements of its z.
