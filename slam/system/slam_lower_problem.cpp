@@ -49,10 +49,8 @@ void SlamLowerProblem::restart() {
 
 SolveReport SlamLowerProblem::solve(const Vector& z) {
   SolveReport report;
-  report.reason = coordinates_.apply(z, graph_.data());
+  report.reason = set_measurements(z);
   if (!report.reason.empty()) return report;
-  z_ = z;
-  point_ = std::make_unique<pgo::GraphPoint>(graph_.data(), graph_.options());
   report = point_->solve(solver_options_);
   if (!factorize()) {
     report.converged = false;
@@ -60,9 +58,17 @@ SolveReport SlamLowerProblem::solve(const Vector& z) {
     return report;
   }
   report.gradient_norm = descend();
-  report.converged = report.gradient_norm <= kStationary && point_->store(graph_.data());
+  report.converged = report.gradient_norm <= kStationary && take_states();
   report.cost = graph_.cost();
   return report;
+}
+
+std::string SlamLowerProblem::set_measurements(const Vector& z) const {
+  std::string complaint = coordinates_.apply(z, graph_.data());
+  if (!complaint.empty()) return complaint;
+  z_ = z;
+  point_ = std::make_unique<pgo::GraphPoint>(graph_.data(), graph_.options());
+  return complaint;
 }
 
 bool SlamLowerProblem::factorize() {
@@ -97,6 +103,11 @@ SlamLowerProblem::Vector SlamLowerProblem::by_phi_of(const Vector& by_tau) const
   expects(factored_, "slam lower problem: asked before it was solved");
   const Vector permuted = factor_.permutationP() * by_tau;
   return factor_.matrixL().solve(permuted);
+}
+
+SlamLowerProblem::Vector SlamLowerProblem::by_tau_of(const Vector& by_phi) const {
+  const Vector permuted = factor_.matrixL() * by_phi;
+  return factor_.permutationPinv() * permuted;
 }
 
 double SlamLowerProblem::cost() const { return pgo::negative_log_likelihood(graph_).total(); }

@@ -69,11 +69,19 @@ class SlamLowerProblem : public learner::LowerProblem,
   /// The order of the states' tangent tau.
   const pgo::GraphPoint& point() const { return *point_; }
 
- private:
+ protected:
+  /// Where questions are asked: a cache, moved by steps and differences too.
+  std::string set_measurements(const Vector& z) const;  ///< what is wrong with z; empty: fine
+  bool take_states() const { return point_->store(graph_.data()); }
+  pgo::GraphPoint& movable_point() const { return *point_; }
+  const Vector& z() const { return z_; }
   bool factorize();
-  double descend();
   Vector tau_of(const Vector& y) const;          ///< P^T C^-T y
   Vector by_phi_of(const Vector& by_tau) const;  ///< C^-1 P dL/dtau
+  Vector by_tau_of(const Vector& by_phi) const;  ///< its inverse
+
+ private:
+  double descend();
   Vector derivative(const Vector& y, const std::function<Vector()>& f) const;
 
   MeasurementCoordinates coordinates_;
@@ -81,11 +89,12 @@ class SlamLowerProblem : public learner::LowerProblem,
   SlamUpperOptions upper_options_;
   std::vector<pgo::State> first_states_;
   pgo::Globals first_globals_;
-  pgo::PoseVelocityGraph graph_;
-  std::unique_ptr<pgo::GraphPoint> point_;  ///< at the states of graph_, but within derivative()
+  mutable pgo::PoseVelocityGraph graph_;
+  mutable std::unique_ptr<pgo::GraphPoint>
+      point_;  ///< at the states of graph_, but within derivative()
   Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> factor_;
   bool factored_ = false;
-  Vector z_;
+  mutable Vector z_;
 };
 
 }  // namespace imslam::system

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <gtest/gtest.h>
-
+#include "slam/base/error.hpp"
 #include "tests/pgo/synthetic.hpp"
 
 namespace imslam::system::testing {
@@ -35,7 +34,7 @@ inline pgo::PoseVelocityGraph contradictory_graph(int states, bool inertial, dou
     motion.J_focal_error = 0.1 * random_matrix<6, 1>(random);
     motion.T_body0_body1 =
         motion.T_body0_body1 * lie::SE3d::exp(error * random_matrix<6, 1>(random));
-    EXPECT_TRUE(graph.add_visual_edge(i, j, motion));
+    expects(graph.add_visual_edge(i, j, motion), "a visual motion of use");
   };
   const auto add_inertial = [&](int i, int j) {
     ImuMotion motion = imslam::testing::exact_imu_motion(at(i), at(j));
@@ -44,7 +43,7 @@ inline pgo::PoseVelocityGraph contradictory_graph(int states, bool inertial, dou
     motion.dR = motion.dR * lie::SO3d::exp(noise * random.normal3());
     motion.dv += noise * random.normal3();
     motion.dp += noise * random.normal3();
-    EXPECT_TRUE(graph.add_imu_edge(i, j, motion));
+    expects(graph.add_imu_edge(i, j, motion), "an inertial motion of use");
   };
   for (int j = 1; j < states; ++j) {
     add_visual(j - 1, j);
