@@ -11,9 +11,14 @@
 namespace imslam::system {
 namespace {
 
-constexpr double kStationary = 1e-7;  ///< largest |dL/dphi| of a solution
-constexpr double kRounding = 1e-13;   ///< no use in trying for less
-constexpr int kDescents = 50;         ///< at most, each one gradient
+// Largest |dL/dphi|: of a solution, and where descending ends; then without gain, or at last.
+constexpr double kStationary = 1e-7;
+constexpr double kAim = 1e-13;
+constexpr double kGain = 0.95;
+constexpr int kDescents = 100;
+
+/// Relative change of the cost at which the solver hands over to the descent.
+constexpr double kHandOver = 1e-4;
 
 // Steps of the differences: in standard deviations of the whole graph's residual, and for the
 // largest entry of the tangent. The rule's error is of the fourth order in them.
@@ -25,6 +30,11 @@ constexpr double kLinearAim = 1e-10;
 constexpr double kLinearTolerance = 1e-7;
 constexpr int kLinearIterations = 100;
 
+pgo::SolverOptions with_hand_over(pgo::SolverOptions options) {
+  options.function_tolerance = std::max(options.function_tolerance, kHandOver);
+  return options;
+}
+
 }  // namespace
 
 SlamLowerProblem::SlamLowerProblem(const pgo::GraphData& data,
@@ -32,7 +42,7 @@ SlamLowerProblem::SlamLowerProblem(const pgo::GraphData& data,
                                    const pgo::SolverOptions& solver_options,
                                    const SlamUpperOptions& upper_options)
     : coordinates_(data),
-      solver_options_(solver_options),
+      solver_options_(with_hand_over(solver_options)),
       upper_options_(upper_options),
       first_states_(data.states),
       first_globals_(data.globals),
@@ -77,14 +87,16 @@ bool SlamLowerProblem::factorize() {
   return factored_;
 }
 
-/// Gauss-Newton steps with the one factor, down to what rounding allows.
+/// Gauss-Newton steps with the one factor: each costs a gradient only, a tenth of a solver's step.
 double SlamLowerProblem::descend() {
-  double least = cost_by_phi().lpNorm<Eigen::Infinity>();
-  for (int i = 0; i < kDescents && least > kRounding; ++i) {
+  Vector slope = cost_by_phi();
+  double least = slope.lpNorm<Eigen::Infinity>();
+  for (int i = 0; i < kDescents && least > kAim; ++i) {
     const Vector before = point_->numbers();
-    point_->move(tau_of(-cost_by_phi()));
-    const double norm = cost_by_phi().lpNorm<Eigen::Infinity>();
-    if (!(norm < 0.95 * least)) {
+    point_->move(tau_of(-slope));
+    slope = cost_by_phi();
+    const double norm = slope.lpNorm<Eigen::Infinity>();
+    if (!(norm < kGain * least)) {
       point_->set_numbers(before);
       break;
     }

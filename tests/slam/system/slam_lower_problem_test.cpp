@@ -123,7 +123,7 @@ TEST(SlamLowerProblem, TheOriginIsTheGraphItself) {
   EXPECT_NEAR(task.graph().cost(), solved.cost(), 1e-6 * solved.cost());
 }
 
-TEST(SlamLowerProblem, SolvesToRoundingErrorWhereTheDefaultStopsEarlier) {
+TEST(SlamLowerProblem, SolvesToRoundingError) {
   SlamLowerProblem task = problem_of(contradictory_graph(kStates, true));
   const SolveReport report = task.solve(task.coordinates().origin());
   std::printf("%d steps, |dL/dphi| %.1e\n", report.iterations, report.gradient_norm);
