@@ -1,6 +1,7 @@
 #include "slam/system/slam_upper_cost.hpp"
 
 #include "pgo/measurement_gradient.hpp"
+#include "pgo/residual_posterior.hpp"
 #include "slam/base/error.hpp"
 
 namespace imslam::system {
@@ -42,6 +43,18 @@ UpperValue likelihood(const std::optional<pgo::EdgeSelection>& only,
   leave_out(*only, gradient);
   return {sum_of(parts.visual, only->visual) + sum_of(parts.inertial, only->inertial),
           coordinates.pull_back(z, gradient), by_tau};
+}
+
+UpperValue marginal(const pgo::PoseVelocityGraph& solved,
+                    const pgo::GraphPoint& point,
+                    const MeasurementCoordinates& coordinates,
+                    const Vector& z) {
+  const auto posterior = pgo::residual_posterior(solved);
+  expects(posterior.has_value(), "slam upper cost: asked at states that are not determined");
+  pgo::MeasurementGradient gradient = pgo::measurement_gradient(solved, true);
+  posterior->add_to(solved.data(), gradient);
+  return {pgo::negative_log_likelihood(solved).total() + posterior->half_log_determinant,
+          coordinates.pull_back(z, gradient), Vector::Zero(point.size())};
 }
 
 /// As published: the steps of vision alone, one weight, no kernel, no calibration.
@@ -87,9 +100,18 @@ UpperValue slam_upper_cost(const SlamUpperOptions& options,
                            const pgo::GraphPoint& point,
                            const MeasurementCoordinates& coordinates,
                            const Vector& z) {
-  UpperValue upper = options.kind == UpperKind::kGraph
-                         ? likelihood(options.only, solved, point, coordinates, z)
-                         : published(options, solved, point, coordinates, z);
+  UpperValue upper = [&] {
+    switch (options.kind) {
+      case UpperKind::kPublished:
+        return published(options, solved, point, coordinates, z);
+      case UpperKind::kMarginal:
+        expects(!options.only, "slam upper cost: kMarginal is of all edges");
+        return marginal(solved, point, coordinates, z);
+      case UpperKind::kGraph:
+        break;
+    }
+    return likelihood(options.only, solved, point, coordinates, z);
+  }();
   if (!options.extra) return upper;
   const UpperValue extra = options.extra(solved.data(), z);
   upper.cost += extra.cost;
