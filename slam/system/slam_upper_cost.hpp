@@ -12,7 +12,7 @@ namespace imslam::system {
 
 /// What the upper level makes of the solved graph.
 enum class UpperKind {
-  kGraph,      ///< U = L, the negative log-likelihood, or that of some edges only
+  kGraph,  ///< U = L, the negative log-likelihood, or that of some edges only
   /// U = L + 1/2 log det J^T J: the states integrated out, so that a sigma that the states can meet
   /// exactly does not collapse (pgo::ResidualPosterior). J is held in the slopes, and no edges may
   /// be left out.

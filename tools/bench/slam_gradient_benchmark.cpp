@@ -1,5 +1,6 @@
 // What a gradient through the solved SLAM graph costs beside the solve itself: one step (U = L),
-// implicit (U as published) and unrolling, on one graph in one run. Wall time; other work on the
+// implicit (U as published), states integrated out and
+// unrolling, on one graph in one run. Wall time; other work on the
 // machine makes single times long, never short: least and median of several. The unrolled steps
 // share one factor, which is the cheapest solver that there is to unroll.
 //
@@ -12,6 +13,7 @@
 #include <functional>
 #include <vector>
 
+#include "pgo/residual_posterior.hpp"
 #include "slam/base/error.hpp"
 #include "slam/learner/unrolled.hpp"
 #include "slam/system/slam_solver_steps.hpp"
@@ -79,6 +81,13 @@ void compare(int states, int repeats) {
                   const auto q = task.hessian_solve(upper.by_phi);
                   expects(q.has_value(), "benchmark: no implicit solution");
                   task.mixed_product(*q);
+                }),
+        plain, 0.0);
+  print("  states integrated out, way back",
+        measure(repeats,
+                [&] {
+                  auto gradient = pgo::measurement_gradient(task.graph(), true);
+                  pgo::residual_posterior(task.graph())->add_to(task.graph().data(), gradient);
                 }),
         plain, 0.0);
   for (const int steps : {10, 20, 50}) {

@@ -235,16 +235,15 @@ TEST(SlamLowerProblem, CovariancesOfAllEdgesTogetherNeitherCollapseNorGrow) {
   SlamLowerProblem integrated = problem_of(contradictory_graph(30, true), marginal);
   const auto least = [](SlamLowerProblem& task) {
     return least_of(
-        [&](double s) {
-          return slope_by_edge_scale(task, s, 0, task.coordinates().bias_prior(0));
-        },
+        [&](double s) { return slope_by_edge_scale(task, s, 0, task.coordinates().bias_prior(0)); },
         0.1, 10.0);
   };
   const double scale = least(at_best);
   const double scale_integrated = least(integrated);
-  std::printf("all edges: U is least at %.2f times the sigmas of the noise, states integrated out "
-              "at %.2f\n",
-              scale, scale_integrated);
+  std::printf(
+      "all edges: U is least at %.2f times the sigmas of the noise, states integrated out "
+      "at %.2f\n",
+      scale, scale_integrated);
   EXPECT_LT(scale, 0.8);
   EXPECT_NEAR(scale_integrated, 1.0, 0.1);
 }
@@ -254,8 +253,8 @@ TEST(SlamLowerProblem, TheCovarianceOfOneEdgeCollapsesUnlessTheStatesAreIntegrat
   SlamUpperOptions marginal;
   marginal.kind = UpperKind::kMarginal;
   for (const bool integrated : {false, true}) {
-    SlamLowerProblem task = problem_of(contradictory_graph(kStates, true),
-                                       integrated ? marginal : SlamUpperOptions{});
+    SlamLowerProblem task =
+        problem_of(contradictory_graph(kStates, true), integrated ? marginal : SlamUpperOptions{});
     const Eigen::Index edge = task.coordinates().visual(6);
     const double slope =
         slope_by_edge_scale(task, 0.02, edge, edge + MeasurementCoordinates::kVisual);
