@@ -1,6 +1,7 @@
 #include "pgo/graph_point.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "pgo/ceres_solve.hpp"
 #include "pgo/linear_system.hpp"
@@ -19,6 +20,11 @@ void select(const Residuals& all, const std::vector<char>& flags, Residuals& cho
   }
 }
 
+/// Place in the order of estimated_blocks().
+std::tuple<bool, int, BlockId::Kind> rank(const BlockId& id) {
+  return {id.global(), id.global() ? 0 : id.state, id.kind};
+}
+
 }  // namespace
 
 GraphPoint::GraphPoint(const GraphData& data, const GraphOptions& options)
@@ -32,8 +38,10 @@ GraphPoint::GraphPoint(const GraphData& data, const GraphOptions& options)
 GraphPoint::~GraphPoint() = default;
 
 Eigen::Index GraphPoint::offset(const BlockId& id) const {
-  const auto found = std::find(blocks_.begin(), blocks_.end(), id);
-  return found == blocks_.end() ? -1 : offsets_[static_cast<std::size_t>(found - blocks_.begin())];
+  const auto before = [](const BlockId& a, const BlockId& b) { return rank(a) < rank(b); };
+  const auto found = std::lower_bound(blocks_.begin(), blocks_.end(), id, before);
+  if (found == blocks_.end() || !(*found == id)) return -1;
+  return offsets_[static_cast<std::size_t>(found - blocks_.begin())];
 }
 
 SolveReport GraphPoint::solve(const SolverOptions& options) {

@@ -7,47 +7,22 @@
 
 #include "pgo/measurement_gradient.hpp"
 #include "slam/learner/make_strategy.hpp"
-#include "tests/slam/system/contradictory_graph.hpp"
+#include "slam/system/batch_estimator.hpp"
+#include "tests/slam/system/contradictory_problem.hpp"
+#include "tests/slam/system/sine_measurements.hpp"
 
 namespace imslam::system {
 namespace {
 
-using learner::GradientStrategy;
 using learner::UpperGradient;
 using learner::Vector;
+using testing::as_published;
 using testing::contradictory_graph;
+using testing::gradient_by;
 using testing::kOutlier;
-
-constexpr int kStates = 12;
-
-learner::StrategyOptions named(const std::string& name) {
-  learner::StrategyOptions options;
-  options.strategy = name;
-  options.tolerance = 1e-9;
-  options.linear_tolerance = 1e-7;  // products are central differences themselves
-  return options;
-}
-
-SlamUpperOptions as_published() {
-  SlamUpperOptions options;
-  options.kind = UpperKind::kPublished;
-  options.published_weight = 4.0;
-  return options;
-}
-
-SlamLowerProblem problem_of(const pgo::PoseVelocityGraph& graph,
-                            const SlamUpperOptions& upper = {}) {
-  pgo::SolverOptions solver;
-  solver.threads = 1;
-  return SlamLowerProblem(graph.data(), graph.options(), solver, upper);
-}
-
-UpperGradient gradient_by(const std::string& strategy, SlamLowerProblem& task, const Vector& z) {
-  const UpperGradient upper = (*make_strategy(named(strategy), task))(z, Random(0));
-  EXPECT_TRUE(upper.usable()) << strategy << ": " << name_of(upper.refusal) << " "
-                              << upper.solve.reason << " " << upper.note;
-  return upper;
-}
+using testing::kStates;
+using testing::named;
+using testing::problem_of;
 
 /// Entries of z by kind: of an ordinary edge, of the outlier, of an inertial edge, of the priors.
 std::map<std::string, std::vector<Eigen::Index>> probes(const SlamLowerProblem& task) {
@@ -193,94 +168,6 @@ TEST(SlamLowerProblem, HessianIsSymmetricAndNearTheIdentity) {
   EXPECT_LT(relative_error(*q, a), 1e-7);
 }
 
-/// dU/dlog s where the sigmas of the edges in [first, end) of z are s times the stated ones.
-double slope_by_edge_scale(SlamLowerProblem& task, double s, Eigen::Index first, Eigen::Index end) {
-  Vector z = task.coordinates().origin();
-  z.segment(first, end - first) *= s * s;  // tau = 0, S = I
-  task.restart();
-  const Vector gradient = gradient_by("implicit_direct", task, z).gradient;
-  return 2.0 * gradient.segment(first, end - first).dot(z.segment(first, end - first));
-}
-
-/// The same for all bias priors.
-double slope_by_prior_scale(SlamLowerProblem& task, double s) {
-  Vector direction = Vector::Zero(task.coordinates().size());
-  for (const std::size_t k : {0, 1}) {
-    direction.segment<6>(task.coordinates().bias_prior(k) + 6).setOnes();
-  }
-  task.restart();
-  const Vector z = task.coordinates().origin() + std::log(s) * direction;
-  return gradient_by("one_step", task, z).gradient.dot(direction);
-}
-
-/// Where a slope that is negative at `low` and positive at `high` changes its sign.
-template <typename Slope>
-double least_of(const Slope& slope, double low, double high) {
-  EXPECT_LT(slope(low), 0.0);
-  EXPECT_GT(slope(high), 0.0);
-  for (int i = 0; i < 12; ++i) {
-    const double middle = std::sqrt(low * high);
-    (slope(middle) < 0.0 ? low : high) = middle;
-  }
-  return low;
-}
-
-// Without the log-determinants the slope would be negative everywhere: larger is always better. The
-// states follow the noise, so what is left of it is less than the noise itself, unless the states
-// are integrated out.
-TEST(SlamLowerProblem, CovariancesOfAllEdgesTogetherNeitherCollapseNorGrow) {
-  SlamUpperOptions marginal;
-  marginal.kind = UpperKind::kMarginal;
-  SlamLowerProblem at_best = problem_of(contradictory_graph(30, true));
-  SlamLowerProblem integrated = problem_of(contradictory_graph(30, true), marginal);
-  const auto least = [](SlamLowerProblem& task) {
-    return least_of(
-        [&](double s) { return slope_by_edge_scale(task, s, 0, task.coordinates().bias_prior(0)); },
-        0.1, 10.0);
-  };
-  const double scale = least(at_best);
-  const double scale_integrated = least(integrated);
-  std::printf(
-      "all edges: U is least at %.2f times the sigmas of the noise, states integrated out "
-      "at %.2f\n",
-      scale, scale_integrated);
-  EXPECT_LT(scale, 0.8);
-  EXPECT_NEAR(scale_integrated, 1.0, 0.1);
-}
-
-// An edge that the states can meet exactly: its likelihood at the best states knows no bound.
-TEST(SlamLowerProblem, TheCovarianceOfOneEdgeCollapsesUnlessTheStatesAreIntegratedOut) {
-  SlamUpperOptions marginal;
-  marginal.kind = UpperKind::kMarginal;
-  for (const bool integrated : {false, true}) {
-    SlamLowerProblem task =
-        problem_of(contradictory_graph(kStates, true), integrated ? marginal : SlamUpperOptions{});
-    const Eigen::Index edge = task.coordinates().visual(6);
-    const double slope =
-        slope_by_edge_scale(task, 0.02, edge, edge + MeasurementCoordinates::kVisual);
-    std::printf("one edge at 0.02 of its sigmas: dU/dlog(sigma) %.2f%s\n", slope,
-                integrated ? ", states integrated out" : "");
-    if (integrated) {
-      EXPECT_LT(slope, 0.1);
-    } else {
-      EXPECT_GT(slope, 5.0);  // 6 log-determinants, and nothing that holds against them
-    }
-  }
-}
-
-TEST(SlamLowerProblem, SigmasOfBiasPriorsGoWhereThePriorsErrorsAre) {
-  pgo::PoseVelocityGraph graph = contradictory_graph(kStates, true);
-  constexpr double kError = 0.4;  // what the data say plainly
-  for (pgo::BiasPrior& prior : graph.data().bias_priors) {
-    prior.bias = {Eigen::Vector3d::Constant(kError), Eigen::Vector3d::Constant(-kError)};
-    prior.sigma = {Eigen::Vector3d::Constant(kError), Eigen::Vector3d::Constant(kError)};
-  }
-  SlamLowerProblem task = problem_of(graph);
-  const double scale = least_of([&](double s) { return slope_by_prior_scale(task, s); }, 0.5, 10.0);
-  std::printf("bias priors: U is least at %.2f times their error\n", scale);
-  EXPECT_NEAR(scale, 1.0, 0.2);
-}
-
 TEST(SlamLowerProblem, ACovarianceThatIsNotPositiveIsNoSolve) {
   SlamLowerProblem task = problem_of(contradictory_graph(kStates, true));
   Vector z = task.coordinates().origin();
@@ -290,6 +177,24 @@ TEST(SlamLowerProblem, ACovarianceThatIsNotPositiveIsNoSolve) {
   EXPECT_NE(report.reason.find("visual edge 3"), std::string::npos) << report.reason;
   const UpperGradient upper = (*make_strategy(named("one_step"), task))(z, Random(0));
   EXPECT_EQ(upper.refusal, learner::Refusal::kUnconverged);
+}
+
+// Sigmas of an IMU and of good vision: weights of up to 1e5, covariances that are nearly singular.
+TEST(SlamLowerProblem, TheGraphOfARunIsSolvedAndDifferentiatedToo) {
+  Measurements measurements = testing::SineWorld().measure();
+  Random random(6);
+  for (RelativeMotion& motion : measurements.odometry) {
+    motion.T_body0_body1 =
+        motion.T_body0_body1 * lie::SE3d::exp(testing::drawn_from<6>(motion.covariance, random));
+  }
+  const BatchEstimate run = estimate_batch(measurements, {}, {});
+  ASSERT_TRUE(run.inertial);
+  SlamLowerProblem task(run.graph, run.graph_options, {}, as_published());
+  const UpperGradient upper = gradient_by("implicit_direct", task, task.coordinates().origin());
+  std::printf("graph of a run: |dL/dphi| %.1e, linear residual %.1e %s\n", upper.residual,
+              upper.linear.residual, upper.note.c_str());
+  EXPECT_EQ(upper.note, "");
+  EXPECT_NEAR(task.graph().cost(), run.report.cost, 1e-6 * run.report.cost);
 }
 
 TEST(SlamLowerProblem, ARestartForgetsEarlierSolvesBitByBit) {
