@@ -40,6 +40,7 @@ inline learner::UpperGradient gradient_by(const std::string& strategy,
   const learner::UpperGradient upper = (*make_strategy(named(strategy), task))(z, Random(0));
   EXPECT_TRUE(upper.usable()) << strategy << ": " << name_of(upper.refusal) << " "
                               << upper.solve.reason << " " << upper.note;
+  expects(upper.usable(), "a gradient to go on with");
   return upper;
 }
 
