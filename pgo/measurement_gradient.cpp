@@ -1,5 +1,7 @@
 #include "pgo/measurement_gradient.hpp"
 
+#include <numeric>
+
 #include "pgo/graph_problem.hpp"
 #include "slam/base/parallel.hpp"
 
@@ -20,12 +22,69 @@ EdgeGradient<kSize> edge_gradient(const Eigen::Matrix<double, kSize, 1>& residua
   return gradient;
 }
 
-/// rho'(s)
-double slope(const ceres::LossFunction* loss, double s) {
-  if (loss == nullptr) return 1.0;
+/// rho(s) and rho'(s)
+struct Kernel {
+  double value;
+  double slope;
+};
+
+Kernel kernel_at(const ceres::LossFunction* loss, double s) {
+  if (loss == nullptr) return {s, 1.0};
   double rho[3];
   loss->Evaluate(s, rho);
-  return rho[1];
+  return {rho[0], rho[1]};
+}
+
+const State& state_at(const GraphData& data, int state) {
+  return data.states[static_cast<std::size_t>(state)];
+}
+
+RelativePoseFactor::Linearization linearize(const VisualEdge& edge, const GraphData& data) {
+  return RelativePoseFactor(edge.motion, edge.sqrt_information)
+      .linearize(state_at(data, edge.from).nav.T_world_body,
+                 state_at(data, edge.to).nav.T_world_body, data.globals.disparity_offset,
+                 data.globals.focal_error);
+}
+
+ImuFactor::Linearization linearize(const InertialEdge& edge,
+                                   const GraphData& data,
+                                   double gravity_magnitude) {
+  const State& from = state_at(data, edge.from);
+  const State& to = state_at(data, edge.to);
+  ImuFactor::Point point{from.nav.T_world_body,
+                         from.nav.v_world,
+                         to.nav.T_world_body,
+                         to.nav.v_world,
+                         {},
+                         data.globals.gravity_direction,
+                         data.globals.time_offset_s};
+  point.bias << from.bias.gyro, from.bias.accel;
+  return ImuFactor(edge.motion, edge.sqrt_information, gravity_magnitude).linearize(point);
+}
+
+/// Residual and sigmas of a prior on [gyro accel].
+struct WhitenedBias {
+  Eigen::Matrix<double, 6, 1> residual;
+  Eigen::Matrix<double, 6, 1> sigma;
+};
+
+WhitenedBias whitened(const BiasPrior& prior, const GraphData& data) {
+  const ImuBias& bias = state_at(data, prior.state).bias;
+  WhitenedBias result;
+  result.sigma << prior.sigma.gyro, prior.sigma.accel;
+  result.residual << bias.gyro - prior.bias.gyro, bias.accel - prior.bias.accel;
+  result.residual = result.residual.cwiseQuotient(result.sigma).eval();
+  return result;
+}
+
+/// 1/2 log det Sigma of a triangular W, W^T W = Sigma^-1.
+template <int kSize>
+double half_log_determinant(const Eigen::Matrix<double, kSize, kSize>& W) {
+  return -W.diagonal().array().log().sum();
+}
+
+double sum_of(const std::vector<double>& parts) {
+  return std::accumulate(parts.begin(), parts.end(), 0.0);
 }
 
 }  // namespace
@@ -39,33 +98,57 @@ MeasurementGradient measurement_gradient(const PoseVelocityGraph& graph, bool lo
 
   parallel_for(data.visual_edges.size(), [&](std::size_t i) {
     const VisualEdge& edge = data.visual_edges[i];
-    const RelativePoseFactor factor(edge.motion, edge.sqrt_information);
-    const auto at =
-        factor.linearize(data.states[static_cast<std::size_t>(edge.from)].nav.T_world_body,
-                         data.states[static_cast<std::size_t>(edge.to)].nav.T_world_body,
-                         data.globals.disparity_offset, data.globals.focal_error);
-    result.visual[i] =
-        edge_gradient<6>(at.residual, at.J_measurement, edge.sqrt_information,
-                         slope(loss.get(), at.residual.squaredNorm()), log_determinant);
+    const auto at = linearize(edge, data);
+    const double slope = kernel_at(loss.get(), at.residual.squaredNorm()).slope;
+    result.visual[i] = edge_gradient<6>(at.residual, at.J_measurement, edge.sqrt_information, slope,
+                                        log_determinant);
   });
   parallel_for(data.inertial_edges.size(), [&](std::size_t i) {
     const InertialEdge& edge = data.inertial_edges[i];
-    const State& from = data.states[static_cast<std::size_t>(edge.from)];
-    const State& to = data.states[static_cast<std::size_t>(edge.to)];
-    const ImuFactor factor(edge.motion, edge.sqrt_information, graph.options().gravity_magnitude);
-    ImuFactor::Point point{from.nav.T_world_body,
-                           from.nav.v_world,
-                           to.nav.T_world_body,
-                           to.nav.v_world,
-                           {},
-                           data.globals.gravity_direction,
-                           data.globals.time_offset_s};
-    point.bias << from.bias.gyro, from.bias.accel;
-    const auto at = factor.linearize(point);
+    const auto at = linearize(edge, data, graph.options().gravity_magnitude);
     result.inertial[i] = edge_gradient<9>(at.residual, at.J_measurement, edge.sqrt_information, 1.0,
                                           log_determinant);
   });
+  for (const BiasPrior& prior : data.bias_priors) {
+    const WhitenedBias at = whitened(prior, data);
+    BiasPriorGradient gradient;
+    gradient.value = -at.residual.cwiseQuotient(at.sigma);
+    gradient.log_sigma = -at.residual.cwiseAbs2();
+    if (log_determinant) gradient.log_sigma.array() += 1.0;
+    result.bias_priors.push_back(gradient);
+  }
   return result;
+}
+
+NegativeLogLikelihood negative_log_likelihood(const PoseVelocityGraph& graph) {
+  const GraphData& data = graph.data();
+  const auto loss = make_loss(graph.options());
+  NegativeLogLikelihood result;
+  double explained = 0.0;  // cost of what has a part of its own
+  const auto add = [&explained](double cost, double log_sigma, std::vector<double>& parts) {
+    explained += cost;
+    parts.push_back(cost + log_sigma);
+  };
+  for (const VisualEdge& edge : data.visual_edges) {
+    const double s = linearize(edge, data).residual.squaredNorm();
+    add(0.5 * kernel_at(loss.get(), s).value, half_log_determinant<6>(edge.sqrt_information),
+        result.visual);
+  }
+  for (const InertialEdge& edge : data.inertial_edges) {
+    const auto at = linearize(edge, data, graph.options().gravity_magnitude);
+    add(0.5 * at.residual.squaredNorm(), half_log_determinant<9>(edge.sqrt_information),
+        result.inertial);
+  }
+  for (const BiasPrior& prior : data.bias_priors) {
+    const WhitenedBias at = whitened(prior, data);
+    add(0.5 * at.residual.squaredNorm(), at.sigma.array().log().sum(), result.bias_priors);
+  }
+  result.rest = graph.cost() - explained;
+  return result;
+}
+
+double NegativeLogLikelihood::total() const {
+  return sum_of(visual) + sum_of(inertial) + sum_of(bias_priors) + rest;
 }
 
 }  // namespace imslam::pgo

@@ -29,6 +29,7 @@ std::optional<SelectedInverse> SelectedInverse::factorize(const Eigen::SparseMat
   const Eigen::VectorXd D = ldlt.vectorD();
   if (!D.allFinite() || D.minCoeff() < kSmallestPivot) return std::nullopt;
 
+  result.log_determinant_ = D.array().log().sum() + diagonal.array().log().sum();
   result.position_ = ldlt.permutationP().indices();
   result.invert(ldlt.matrixL().nestedExpression(), D);
   return result;

@@ -19,6 +19,8 @@ class SelectedInverse {
   /// Entry of H^-1 where H itself (or its Cholesky factor) has an entry, explicit zeros included.
   double operator()(Eigen::Index row, Eigen::Index column) const;
 
+  double log_determinant() const { return log_determinant_; }  ///< of H
+
  private:
   void invert(const Eigen::SparseMatrix<double>& L, const Eigen::VectorXd& D);
 
@@ -26,6 +28,7 @@ class SelectedInverse {
   Eigen::VectorXi position_;           ///< place of each unknown in the elimination order
   Eigen::SparseMatrix<double> lower_;  ///< strictly lower part of Z, permuted, on L's pattern
   Eigen::VectorXd diagonal_;
+  double log_determinant_ = 0.0;
 };
 
 }  // namespace imslam::pgo

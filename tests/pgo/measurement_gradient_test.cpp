@@ -163,5 +163,41 @@ TEST_F(MeasurementGradientTest, RobustKernelLimitsThePullOfAnOutlier) {
   EXPECT_GT(pull, 2.0 / 0.02 * 0.5);
 }
 
+TEST_F(MeasurementGradientTest, BiasPriorMatchesCentralDifferencesOfTheLikelihoodThroughTheSolve) {
+  const BiasPriorGradient gradient = measurement_gradient(graph_, true).bias_priors.at(0);
+  const auto likelihood = [&](const Eigen::VectorXd& step) -> Eigen::VectorXd {
+    PoseVelocityGraph graph = graph_;
+    BiasPrior& prior = graph.data().bias_priors[0];
+    prior.bias.gyro += step.head<3>();
+    prior.bias.accel += step.segment<3>(3);
+    prior.sigma.gyro.array() *= step.segment<3>(6).array().exp();
+    prior.sigma.accel.array() *= step.tail<3>().array().exp();
+    graph.solve(to_the_last_digit());
+    return Eigen::VectorXd::Constant(1, negative_log_likelihood(graph).total());
+  };
+  Eigen::RowVectorXd analytic(12);
+  analytic << gradient.value.transpose(), gradient.log_sigma.transpose();
+  testing::expect_near(
+      analytic, testing::numeric_jacobian(likelihood, Eigen::VectorXd::Zero(12), 1e-5), 1e-6);
+}
+
+TEST_F(MeasurementGradientTest, LikelihoodIsTheCostAndTheLogDeterminants) {
+  double expected = graph_.cost();
+  for (const VisualEdge& edge : graph_.visual_edges()) {
+    expected += 0.5 * log_determinant_of(edge.motion.covariance);
+  }
+  for (const InertialEdge& edge : graph_.inertial_edges()) {
+    expected += 0.5 * log_determinant_of(edge.motion.covariance);
+  }
+  for (const BiasPrior& prior : graph_.data().bias_priors) {
+    expected += prior.sigma.gyro.array().log().sum() + prior.sigma.accel.array().log().sum();
+  }
+  const NegativeLogLikelihood parts = negative_log_likelihood(graph_);
+  EXPECT_NEAR(parts.total(), expected, 1e-9 * std::abs(expected));
+  EXPECT_EQ(parts.visual.size(), graph_.visual_edges().size());
+  EXPECT_EQ(parts.inertial.size(), graph_.inertial_edges().size());
+  EXPECT_GT(parts.rest, 0.0);  // walks of the bias, the other priors
+}
+
 }  // namespace
 }  // namespace imslam::pgo
