@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 #include "pgo/graph_problem.hpp"
@@ -11,6 +12,7 @@ namespace imslam::pgo {
 namespace {
 
 constexpr double kFullLeverage = 0.999;  // beyond it nothing else measures that direction
+constexpr double kLeastWeight = 1e-6;    // of an outlier
 constexpr double kRobust = 16.0;         // [1] of the square per dimension
 
 struct Kernel {
@@ -58,10 +60,10 @@ EdgeLikelihood<kSize> likelihood(const Eigen::Matrix<double, kSize, 1>& residual
 template <int kSize>
 Foretold<kSize> foretold(const Eigen::Matrix<double, kSize, 1>& r,
                          const Eigen::Matrix<double, kSize, kSize>& W,
-                         const Eigen::Matrix<double, kSize, kSize>& spread) {
+                         const Eigen::Matrix<double, kSize, kSize>& leverage,
+                         double weight) {
   using Matrix = Eigen::Matrix<double, kSize, kSize>;
   using Vector = Eigen::Matrix<double, kSize, 1>;
-  const Matrix leverage = W * spread * W.transpose();
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (leverage + leverage.transpose()));
   const Vector share = eigen.eigenvalues().cwiseMax(0.0).cwiseMin(kFullLeverage);
   const Vector odds = share.array() / (1.0 - share.array());
@@ -69,7 +71,7 @@ Foretold<kSize> foretold(const Eigen::Matrix<double, kSize, 1>& r,
       W.template triangularView<Eigen::Lower>().solve(Matrix(eigen.eigenvectors()));
   Foretold<kSize> result;
   result.shift = unwhitened * odds.asDiagonal() * (eigen.eigenvectors().transpose() * r);
-  result.spread = unwhitened * odds.asDiagonal() * unwhitened.transpose();
+  result.spread = unwhitened * odds.asDiagonal() * unwhitened.transpose() / weight;
   return result;
 }
 
@@ -116,19 +118,22 @@ EdgeLikelihood<kSize> nothing() {
 }  // namespace
 
 Foretold<6> foretold_visual(const PoseVelocityGraph& graph,
-                            const PosteriorSpread& spread,
+                            const ResidualPosterior& posterior,
                             std::size_t edge) {
   const VisualEdge& e = graph.visual_edges().at(edge);
   const auto at = at_solution(graph.data(), e, e.motion, e.sqrt_information);
-  return foretold<6>(at.residual, e.sqrt_information, spread.visual.at(edge));
+  const auto loss = make_loss(graph.options());
+  const double weight = kernel_at(loss.get(), at.residual.squaredNorm()).slope;
+  return foretold<6>(at.residual, e.sqrt_information, posterior.visual.at(edge),
+                     std::max(weight, kLeastWeight));
 }
 
 Foretold<9> foretold_inertial(const PoseVelocityGraph& graph,
-                              const PosteriorSpread& spread,
+                              const ResidualPosterior& posterior,
                               std::size_t edge) {
   const InertialEdge& e = graph.inertial_edges().at(edge);
   const auto at = at_solution(graph, e, e.motion, e.sqrt_information);
-  return foretold<9>(at.residual, e.sqrt_information, spread.inertial.at(edge));
+  return foretold<9>(at.residual, e.sqrt_information, posterior.inertial.at(edge), 1.0);
 }
 
 EdgeLikelihood<6> visual_likelihood(const PoseVelocityGraph& graph,

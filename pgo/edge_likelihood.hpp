@@ -1,7 +1,7 @@
 #pragma once
 
 #include "pgo/measurement_gradient.hpp"
-#include "pgo/posterior.hpp"
+#include "pgo/residual_posterior.hpp"
 
 namespace imslam::pgo {
 
@@ -14,9 +14,10 @@ struct EdgeLikelihood {
 
 /// What all the others say about one measurement: where it should lie and how surely, as a
 /// residual at the graph's solution. Had without solving again: with r = W e the whitened residual
-/// of the measurement that took part in the solution and V diag(l) V^T = W S W^T its leverage,
+/// of the measurement that took part in the solution, w its robust weight and V diag(l) V^T its
+/// leverage (ResidualPosterior),
 ///
-///   S_others = W^-1 V diag(l / (1 - l)) V^T W^-T      shift = W^-1 V diag(l / (1 - l)) V^T r
+///   S_others = W^-1 V diag(l / (1 - l)) V^T W^-T / w      shift = W^-1 V diag(l / (1 - l)) V^T r
 ///
 /// e + shift is the residual against the states as they would be without the measurement, whose
 /// spread is S_others. Directions that nothing else measures (l = 1) get a spread that says so.
@@ -28,10 +29,10 @@ struct Foretold {
 };
 
 Foretold<6> foretold_visual(const PoseVelocityGraph& graph,
-                            const PosteriorSpread& spread,
+                            const ResidualPosterior& posterior,
                             std::size_t edge);
 Foretold<9> foretold_inertial(const PoseVelocityGraph& graph,
-                              const PosteriorSpread& spread,
+                              const ResidualPosterior& posterior,
                               std::size_t edge);
 
 /// Likelihood of `motion` in the place of a visual edge's measurement, the states held:

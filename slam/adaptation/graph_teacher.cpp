@@ -57,7 +57,7 @@ std::optional<std::size_t> GraphTeacher::visual_edge(std::int64_t time0_ns,
 
 vo::MotionCost GraphTeacher::cost_of(std::size_t visual_edge) const {
   pgo::Foretold<6> others;
-  if (!joint_) others = pgo::foretold_visual(graph_, posterior_.spread(), visual_edge);
+  if (!joint_) others = pgo::foretold_visual(graph_, posterior_.residuals(), visual_edge);
   return [this, visual_edge, others](const RelativeMotion& motion) {
     const auto l = pgo::visual_likelihood(graph_, visual_edge, motion, others);
     return vo::MotionSlope{l.nll, l.gradient.motion, l.gradient.covariance};
@@ -66,7 +66,7 @@ vo::MotionCost GraphTeacher::cost_of(std::size_t visual_edge) const {
 
 pgo::EdgeLikelihood<9> GraphTeacher::inertial(std::size_t edge, const ImuMotion& motion) const {
   pgo::Foretold<9> others;
-  if (!joint_) others = pgo::foretold_inertial(graph_, posterior_.spread(), edge);
+  if (!joint_) others = pgo::foretold_inertial(graph_, posterior_.residuals(), edge);
   return pgo::inertial_likelihood(graph_, edge, motion, others);
 }
 
@@ -83,14 +83,14 @@ double GraphTeacher::left_out_loss(const std::function<bool(std::size_t state)>&
   const auto& visual = graph_.visual_edges();
   for (std::size_t e = 0; e < visual.size(); ++e) {
     if (!counts(static_cast<std::size_t>(visual[e].to))) continue;
-    const auto others = pgo::foretold_visual(graph_, posterior_.spread(), e);
+    const auto others = pgo::foretold_visual(graph_, posterior_.residuals(), e);
     sum += pgo::visual_likelihood(graph_, e, visual[e].motion, others).nll;
     dimensions += kVisualDimensions;
   }
   const auto& inertial = graph_.inertial_edges();
   for (std::size_t e = 0; e < inertial.size(); ++e) {
     if (!counts(static_cast<std::size_t>(inertial[e].to))) continue;
-    const auto others = pgo::foretold_inertial(graph_, posterior_.spread(), e);
+    const auto others = pgo::foretold_inertial(graph_, posterior_.residuals(), e);
     sum += pgo::inertial_likelihood(graph_, e, inertial[e].motion, others).nll;
     dimensions += kInertialDimensions;
   }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "pgo/edge_likelihood.hpp"
+#include "pgo/posterior.hpp"
 #include "slam/system/slam_result.hpp"
 #include "slam/training/inertial_log.hpp"
 #include "vo_net/motion_cost.hpp"
