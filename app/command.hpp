@@ -23,6 +23,7 @@ struct CommonOptions {
 
 // One file per subcommand: registers its options and, when chosen, sets `action`.
 void add_run_command(CLI::App& app, Action& action, const CommonOptions& common);
+void add_bench_command(CLI::App& app, Action& action, const CommonOptions& common);
 void add_eval_command(CLI::App& app, Action& action);
 void add_check_command(CLI::App& app, Action& action);
 void add_simulate_command(CLI::App& app, Action& action, const CommonOptions& common);

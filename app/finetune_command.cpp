@@ -66,12 +66,14 @@ void apply_flags(const FinetuneArguments& arguments,
 }
 
 void record(const fs::path& folder,
-            const system::RunOutcome& outcome,
+            system::RunOutcome outcome,
+            const std::string& networks,
             const system::RunProvenance& provenance,
             const StereoCamera& camera,
             double map_voxel_m) {
   std::error_code error;
   fs::create_directories(folder, error);
+  outcome.summary.networks = networks;
   system::record_run(folder, outcome.result, outcome.summary, provenance, camera,
                      outcome.evaluation, map_voxel_m);
 }
@@ -142,10 +144,10 @@ ExitCode finetune(const FinetuneArguments& arguments, const CommonOptions& commo
     return ExitCode::kInterrupted;
   }
   const auto provenance = provenance_of(settings, *sequence, common);
-  record(request.folder / "zero_shot", outcome.zero_shot, provenance, sequence->camera(),
-         slam.system.map_voxel_m);
-  record(request.folder / "adapted", outcome.adapted, provenance, sequence->camera(),
-         slam.system.map_voxel_m);
+  record(request.folder / "zero_shot", outcome.zero_shot, "zero-shot", provenance,
+         sequence->camera(), slam.system.map_voxel_m);
+  record(request.folder / "adapted", outcome.adapted, "adapted to this sequence before the run",
+         provenance, sequence->camera(), slam.system.map_voxel_m);
   tell_result(outcome);
   return ExitCode::kOk;
 }

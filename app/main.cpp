@@ -72,6 +72,7 @@ int execute(int argc, char** argv) {
   Action action;
   add_common_options(app, common);
   add_run_command(app, action, common);
+  add_bench_command(app, action, common);
   add_eval_command(app, action);
   add_check_command(app, action);
   add_simulate_command(app, action, common);

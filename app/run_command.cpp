@@ -16,6 +16,7 @@
 #include "datasets/check.hpp"
 #include "datasets/open_sequence.hpp"
 #include "slam/adaptation/learned_networks.hpp"
+#include "slam/adaptation/online_adapter.hpp"
 #include "slam/base/file.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/progress.hpp"
@@ -35,6 +36,7 @@ constexpr const char* kExamples =
     "  imslam run MH_01_easy --imu off               vision only\n"
     "  imslam run MH_01_easy --front-end learned     matching by the trained network\n"
     "  imslam run MH_01_easy --front-end learned --imu learned --networks tuned/weights\n"
+    "  imslam run MH_01_easy --front-end learned --imu learned --adapt    learn on the way\n"
     "  imslam run MH_01_easy --config paper_euroc    the published method's graph\n"
     "  imslam run MH_01_easy --set pgo.huber=3 --json";
 
@@ -50,6 +52,7 @@ struct RunArguments {
   int seed = -1;
   bool json = false;
   bool force = false;
+  bool adapt = false;
   ConfigLayers layers;
 };
 
@@ -81,8 +84,11 @@ ExitCode exit_code_of(const system::RunOutcome& outcome) {
 
 ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
   Settings settings;
+  adaptation::AdaptationOptions adaptation;
+  settings.config().section("finetune", adaptation);
   arguments.layers.apply(settings);
   apply_flags(arguments, settings);
+  adaptation.validate();
   system::RunRequest request;
   parse_frames(arguments.frames, request);
 
@@ -96,13 +102,19 @@ ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
   system::RunFolder folder =
       system::make_run_folder(arguments.runs, sequence->name(), arguments.out, arguments.force);
 
+  std::unique_ptr<adaptation::OnlineAdapter> adapter;
+  if (arguments.adapt) {
+    adapter = std::make_unique<adaptation::OnlineAdapter>(settings.slam(), adaptation, *sequence);
+    adapter->attach(request);
+  }
   ProgressBar bar(sequence->name(), !common.quiet);
   request.keep_going = [&](std::size_t done, std::size_t total) {
     bar.update(done, total);
     return !interrupted();
   };
-  const auto outcome = system::run_sequence(*sequence, settings.slam(), request);
+  auto outcome = system::run_sequence(*sequence, settings.slam(), request);
   bar.clear();
+  if (adapter) outcome.summary.networks = adapter->summary();
   system::record_run(folder.path(), outcome.result, outcome.summary,
                      provenance_of(settings, *sequence, common), sequence->camera(),
                      outcome.evaluation, settings.slam().system.map_voxel_m);
@@ -138,6 +150,8 @@ void add_run_command(CLI::App& app, Action& action, const CommonOptions& common)
   command->add_option("--networks", arguments->networks,
                       "Folder of weights that `imslam finetune` wrote");
   command->add_option("--seed", arguments->seed, "Seed of all randomness, 0 or more");
+  command->add_flag("--adapt", arguments->adapt,
+                    "Let the networks learn from the past while the run goes on");
   command->add_flag("--json", arguments->json, "Print metrics.json instead of the table");
   command->add_flag("--force", arguments->force, "Replace an earlier run in --out");
   arguments->layers.add_options(*command);

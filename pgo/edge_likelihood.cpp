@@ -52,8 +52,8 @@ EdgeLikelihood<kSize> likelihood(const Eigen::Matrix<double, kSize, 1>& residual
   result.nll = 0.5 * (kernel.value + log_det);
   result.gradient.motion = kernel.slope * (J_measurement.transpose() * a);
   const Vector back = W.transpose() * a;
-  result.gradient.covariance = 0.5 * (W.transpose() * llt.solve(W) -
-                                      kernel.slope * back * back.transpose());
+  result.gradient.covariance =
+      0.5 * (W.transpose() * llt.solve(W) - kernel.slope * back * back.transpose());
   return result;
 }
 

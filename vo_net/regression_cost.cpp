@@ -100,8 +100,8 @@ RegressedMotion regression_cost(nn::Tape<S>& tape,
   const PoseHeadOutput answer = result.looks.back();
   const MotionLook look = motion_look(tape, answer);
   const MotionDirection direction{lie::SO3d::exp(look.theta), look.direction};
-  const ScaleResult scale = correct_scale(correspondences, recipe.camera, direction, options,
-                                          recipe.disparity_offset);
+  const ScaleResult scale =
+      correct_scale(correspondences, recipe.camera, direction, options, recipe.disparity_offset);
   if (scale.state == ScaleState::kUnknown || !scale.converged) return result;
 
   const RegressedCovariance covariance = regressed_covariance(look, scale);
@@ -142,9 +142,9 @@ RegressedMotion regression_cost(nn::Tape<S>& tape,
   return result;
 }
 
-#define INSTANTIATE(S)                                                                       \
-  template RegressedMotion regression_cost(nn::Tape<S>&, const PoseHead<S>&,                 \
-                                           const Correspondences&, const MotionRecipe&,      \
+#define INSTANTIATE(S)                                                                  \
+  template RegressedMotion regression_cost(nn::Tape<S>&, const PoseHead<S>&,            \
+                                           const Correspondences&, const MotionRecipe&, \
                                            const ScaleOptions&, Var, const MotionCost&);
 INSTANTIATE(float)
 INSTANTIATE(double)

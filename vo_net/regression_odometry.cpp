@@ -11,7 +11,7 @@ namespace {
 
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-constexpr double kFocalStep = 1e-2;    // [1] of the difference quotient: far above float's noise
+constexpr double kFocalStep = 1e-2;  // [1] of the difference quotient: far above float's noise
 
 bool within(const Matrix6& covariance, const PoseLayerOptions& limits) {
   const auto largest = [](const Eigen::Matrix3d& C) { return C.diagonal().maxCoeff(); };

@@ -19,7 +19,7 @@ void require(bool holds, const char* key, T value, const char* bound) {
 }  // namespace
 
 AdaptationOptions::AdaptationOptions() {
-  rate = 2e-4;
+  rate = 3e-4;
   warm_up = 4;
   average = 0.0;  // what is looked at is what goes on learning: one run serves both
   patience = 0;

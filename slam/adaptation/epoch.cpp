@@ -53,7 +53,7 @@ std::unique_ptr<Epoch> run_epoch(const EpochRequest& request,
   const auto frames = draw_frames(first, std::min(last, count), request.options, number);
   std::vector<bool> wanted(count, false);
   for (const std::size_t frame : frames) wanted[frame] = true;
-  MotionTracer tracer(std::move(wanted), request.sequence.camera());
+  MotionTracer tracer(std::move(wanted), request.sequence.camera(), networks.match() != nullptr);
 
   const system::Networks snapshot = networks.snapshot();
   system::RunRequest run = request.run;
@@ -67,8 +67,8 @@ std::unique_ptr<Epoch> run_epoch(const EpochRequest& request,
     throw InputError("stopped in the middle of an epoch; --resume goes on", ExitCode::kInterrupted);
   }
   epoch->traces = in_order(std::move(tracer.traces()), frames);
-  epoch->teacher = GraphTeacher::of(epoch->outcome.result, request.options.upper == "joint",
-                                      epoch->reason);
+  epoch->teacher =
+      GraphTeacher::of(epoch->outcome.result, request.options.upper == "joint", epoch->reason);
   if (epoch->teacher && epoch->outcome.result.inertial) {
     epoch->log = epoch->teacher->inertial_log(request.sequence.imu()->samples,
                                               request.sequence.imu()->noise);

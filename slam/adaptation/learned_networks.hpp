@@ -60,7 +60,8 @@ class LearnedNetworks {
 };
 
 /// The networks that are in a folder that write() filled, as assignments to the keys of a run:
-/// "imu_network.weights=FOLDER/imu_network.safetensors". Throws InputError(kModel) if there is none.
+/// "imu_network.weights=FOLDER/imu_network.safetensors". Throws InputError(kModel) if there is
+/// none.
 std::vector<std::string> network_assignments(const std::filesystem::path& folder);
 
 /// The options of a run with these networks.

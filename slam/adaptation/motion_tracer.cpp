@@ -9,8 +9,16 @@ constexpr std::size_t kRecent = 3;  // [frames]
 
 }  // namespace
 
-MotionTracer::MotionTracer(std::vector<bool> wanted, const StereoCamera& camera)
-    : wanted_(std::move(wanted)), camera_(camera) {}
+MotionTracer::MotionTracer(std::vector<bool> wanted, const StereoCamera& camera, bool images)
+    : wanted_(std::move(wanted)), camera_(camera), images_(images) {}
+
+std::shared_ptr<const StereoFrame> MotionTracer::copy_of(const StereoFrame& frame) const {
+  if (images_) return std::make_shared<const StereoFrame>(frame);
+  StereoFrame stamp;
+  stamp.index = frame.index;
+  stamp.time_ns = frame.time_ns;
+  return std::make_shared<const StereoFrame>(std::move(stamp));
+}
 
 std::shared_ptr<const StereoFrame> MotionTracer::recent(std::int64_t time_ns) const {
   for (const auto& frame : recent_) {
@@ -25,7 +33,7 @@ void MotionTracer::see(const StereoFrame& frame, const vo::VoOutput& seen) {
   };
   const bool soon =
       is_wanted(frame.index) || is_wanted(frame.index + 1) || is_wanted(frame.index + 2);
-  const auto now = soon ? std::make_shared<const StereoFrame>(frame) : nullptr;
+  const auto now = soon ? copy_of(frame) : nullptr;
   const int shrink_before = std::exchange(shrink_before_, seen.search.shrink);
   if (is_wanted(frame.index) && seen.motion.valid) {
     MotionTrace trace;

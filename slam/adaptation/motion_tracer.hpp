@@ -20,11 +20,13 @@ struct MotionTrace {
   vo::MotionNoiseFeatures features;
 };
 
-/// Watches a run and keeps the traces of the wanted frames, images included: about 1.5 MB each.
+/// Watches a run and keeps the traces of the wanted frames, images included if need be: about 1.5
+/// MB each.
 class MotionTracer {
  public:
-  /// `wanted`: by StereoFrame::index; longer indices are not wanted.
-  MotionTracer(std::vector<bool> wanted, const StereoCamera& camera);
+  /// `wanted`: by StereoFrame::index; longer indices are not wanted. Without `images` the frames of
+  /// the traces are only stamps.
+  MotionTracer(std::vector<bool> wanted, const StereoCamera& camera, bool images);
 
   void see(const StereoFrame& frame, const vo::VoOutput& seen);
 
@@ -32,11 +34,13 @@ class MotionTracer {
   std::vector<MotionTrace>& traces() { return traces_; }
 
  private:
+  std::shared_ptr<const StereoFrame> copy_of(const StereoFrame& frame) const;
   /// The frame a motion began at, if it is still known; motions seldom span more than a few.
   std::shared_ptr<const StereoFrame> recent(std::int64_t time_ns) const;
 
   std::vector<bool> wanted_;
   StereoCamera camera_;
+  bool images_;
   std::deque<std::shared_ptr<const StereoFrame>> recent_;
   int shrink_before_ = 0;
   std::vector<MotionTrace> traces_;

@@ -1,5 +1,7 @@
 #include "slam/adaptation/online_adapter.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -33,7 +35,9 @@ OnlineAdapter::OnlineAdapter(const system::SlamOptions& slam,
       sequence_(sequence),
       networks_(slam, options_),
       in_use_(networks_.snapshot()),
-      tracer_(std::vector<bool>(sequence.frame_count(), true), sequence.camera()),
+      tracer_(std::vector<bool>(sequence.frame_count(), true),
+              sequence.camera(),
+              networks_.match() != nullptr),
       batch_(networks_.parameters(), std::min(options_.edges + 1, thread_count())),
       gradients_(nn::zero_gradients(networks_.parameters())),
       usable_(static_cast<std::size_t>(options_.edges) + 1, 0) {}
@@ -49,11 +53,16 @@ void OnlineAdapter::attach(system::RunRequest& request) {
   };
 }
 
+std::string OnlineAdapter::summary() const {
+  return fmt::format("adapted online: {} steps, {} skipped", steps_, skipped_);
+}
+
 void OnlineAdapter::see(const StereoFrame& frame, const vo::VoOutput& seen) {
   tracer_.see(frame, seen);
   auto& traces = tracer_.traces();
   const auto most = static_cast<std::size_t>(options_.edges);
-  if (traces.size() > most) traces.erase(traces.begin(), traces.end() - static_cast<std::ptrdiff_t>(most));
+  if (traces.size() > most)
+    traces.erase(traces.begin(), traces.end() - static_cast<std::ptrdiff_t>(most));
 }
 
 /// The oldest state of the window, before it leaves.
@@ -94,11 +103,11 @@ Var OnlineAdapter::lesson(nn::Tape<float>& tape, const GraphTeacher& teacher, st
   const auto inertial_slot = static_cast<std::size_t>(options_.edges);
   if (slot == inertial_slot) {
     if (networks_.imu_network() == nullptr || log_.truth.size() < 2) return nothing;
-    const InertialClass of{*networks_.imu_network(), teacher, log_, slam_, options_,
+    const InertialClass of{*networks_.imu_network(),        teacher, log_, slam_, options_,
                            [](std::size_t) { return true; }};
     usable_[slot] = 1;
-    const Random random =
-        Random(static_cast<std::uint64_t>(options_.seed)).fork(static_cast<std::uint64_t>(windows_));
+    const Random random = Random(static_cast<std::uint64_t>(options_.seed))
+                              .fork(static_cast<std::uint64_t>(windows_));
     return scale(tape, inertial_lesson(tape, of, random), options_.imu_weight * options_.edges);
   }
   if (slot >= tracer_.traces().size()) return nothing;
@@ -118,8 +127,7 @@ void OnlineAdapter::learn(const pgo::PoseVelocityGraph& window) {
     return;
   }
   log_ = training::InertialLog();
-  const double past_s =
-      to_seconds(window.states().back().time_ns - past_states_.front().time_ns);
+  const double past_s = to_seconds(window.states().back().time_ns - past_states_.front().time_ns);
   if (sequence_.imu() && past_s >= kLeastPast_s) log_ = past(*teacher);
   std::fill(usable_.begin(), usable_.end(), 0);
   const double loss = batch_.run(

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "slam/adaptation/graph_teacher.hpp"
@@ -32,8 +33,8 @@ class OnlineAdapter {
   /// Makes a run use the networks, and tell what it sees.
   void attach(system::RunRequest& request);
 
-  int steps() const { return steps_; }
-  int skipped() const { return skipped_; }  ///< steps without any lesson, or not finite
+  /// "adapted online: 12 steps, 1 skipped" (no lesson, or not finite)
+  std::string summary() const;
 
  private:
   void see(const StereoFrame& frame, const vo::VoOutput& seen);

@@ -72,8 +72,7 @@ Var matcher_lesson(nn::Tape<float>& tape,
 
 /// The graph's motion as the pose head should have said it.
 vo::PoseHeadTruth<float> head_truth(const lie::SE3d& T_body0_body1, const StereoCamera& camera) {
-  const lie::SE3d T_left0_left1 =
-      camera.T_body_left.inverse() * T_body0_body1 * camera.T_body_left;
+  const lie::SE3d T_left0_left1 = camera.T_body_left.inverse() * T_body0_body1 * camera.T_body_left;
   const Eigen::Vector3d theta = T_left0_left1.rotation().log();
   const Eigen::Vector3d& p = T_left0_left1.translation();
   const bool moves = p.norm() > kLeastMotion_m;
@@ -98,9 +97,8 @@ Var head_lesson(nn::Tape<float>& tape,
       tape, *of.networks.pose_head(), trace.correspondences, recipe_of(trace, of),
       of.vo.regression.scale, noise_of(tape, trace, of.networks), of.teacher.cost_of(edge));
   usable = motion.usable;
-  const Var said = vo::pose_head_loss(tape, motion.looks,
-                                      head_truth(of.teacher.T_body0_body1(edge), of.camera),
-                                      kEarlyLook);
+  const Var said = vo::pose_head_loss(
+      tape, motion.looks, head_truth(of.teacher.T_body0_body1(edge), of.camera), kEarlyLook);
   return add(tape, scale(tape, motion.cost, of.options.graph_weight / kDimensions),
              scale(tape, said, of.options.match_weight));
 }

@@ -89,4 +89,26 @@ std::optional<std::string> nearest_name(std::string_view word,
   return best;
 }
 
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string latex_text(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) {
+    if (c == '\\') {
+      escaped += "\\textbackslash{}";
+      continue;
+    }
+    if (std::string("%&_#${}").find(c) != std::string::npos) escaped += '\\';
+    if (c == '~' || c == '^') escaped += '\\';
+    escaped += c;
+    if (c == '~' || c == '^') escaped += "{}";
+  }
+  return escaped;
+}
+
 }  // namespace imslam

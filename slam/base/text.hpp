@@ -26,4 +26,10 @@ std::vector<std::string_view> split_blanks(std::string_view text);
 std::optional<std::string> nearest_name(std::string_view word,
                                         const std::vector<std::string>& candidates);
 
+/// `text` as one field of a csv file: in quotes where it must be.
+std::string csv_field(const std::string& text);
+
+/// `text` as itself in LaTeX: %, &, _, #, $, {, }, ~, ^ and backslashes are escaped.
+std::string latex_text(const std::string& text);
+
 }  // namespace imslam

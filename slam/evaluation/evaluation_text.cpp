@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "slam/base/error.hpp"
+#include "slam/base/text.hpp"
 #include "slam/evaluation/names.hpp"
 
 namespace imslam::evaluation {
@@ -98,28 +99,6 @@ std::string interpolated_as_text(const Evaluation& e) {
       "({} poses)\n",
       i.ate_se3_rmse_m ? fmt::format("{:.6f} m", *i.ate_se3_rmse_m) : "not defined",
       i.rpe_frame_rmse_m, i.rpe_frame_rmse_deg, i.matched);
-}
-
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
-std::string latex_text(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    if (c == '\\') {
-      escaped += "\\textbackslash{}";
-      continue;
-    }
-    if (std::string("%&_#${}").find(c) != std::string::npos) escaped += '\\';
-    if (c == '~' || c == '^') escaped += '\\';
-    escaped += c;
-    if (c == '~' || c == '^') escaped += "{}";
-  }
-  return escaped;
 }
 
 }  // namespace

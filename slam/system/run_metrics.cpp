@@ -160,6 +160,7 @@ Json metrics_json(const SlamResult& result,
   Json metrics = {
       {"dataset", summary.dataset},
       {"format", summary.format},
+      {"networks", summary.networks},
       {"frames", result.counters.frames},
       {"coverage", frames > 0 ? poses / frames : 0.0},
       {"frames_per_second", summary.wall_s > 0 ? frames / summary.wall_s : 0.0},

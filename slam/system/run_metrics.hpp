@@ -13,7 +13,8 @@ namespace imslam::system {
 struct RunSummary {
   std::string dataset;
   std::string format;
-  double wall_s = 0.0;  ///< from the first frame to the final trajectory
+  double wall_s = 0.0;                 ///< from the first frame to the final trajectory
+  std::string networks = "zero-shot";  ///< or how they were adapted to the sequence, and when
 };
 
 /// The content of metrics.json. Numbers that are not determined are null; nothing is ever NaN.

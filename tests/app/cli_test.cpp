@@ -78,11 +78,13 @@ TEST(CommandLine, EveryShippedConfigurationLoads) {
     ++files;
     // Trainings have options of their own: train_vo.yaml is for `imslam train vo`.
     const std::string name = entry.path().stem().string();
+    // Suites are for `imslam bench`.
     const bool training = name.rfind("train_", 0) == 0;
-    const std::string command =
-        training ? "train " + name.substr(6) + " --list" : "config validate";
-    const auto result =
-        run_imslam(dir, command + " --config " + testing::quoted(entry.path().string()));
+    const bool suite = name.rfind("suite_", 0) == 0;
+    const std::string command = training ? "train " + name.substr(6) + " --list --config "
+                                : suite  ? "bench --list "
+                                         : "config validate --config ";
+    const auto result = run_imslam(dir, command + testing::quoted(entry.path().string()));
     EXPECT_EQ(result.exit_code, 0) << result.err;
   }
   EXPECT_GE(files, 4);

@@ -244,8 +244,7 @@ class World {
               const std::vector<Var>& noises,
               const imu::ImuAnswer& answer) {
     const auto edges = edge_task([&](std::size_t i, const ImuMotion& motion) {
-      const auto l =
-          pgo::inertial_likelihood(graph, i, motion);
+      const auto l = pgo::inertial_likelihood(graph, i, motion);
       return imu::CovarianceSlope{l.nll, l.gradient.covariance};
     });
     Var total = scale(tape, edge_noise_cost(tape, answer, edges), kFrames - 1.0);
@@ -256,8 +255,7 @@ class World {
       recipe.pose = pose_options_;
       recipe.start = recorded_[i].pose.T_body0_body1;
       const auto at = [&graph, i](const RelativeMotion& motion) {
-        const auto l =
-            pgo::visual_likelihood(graph, i, motion);
+        const auto l = pgo::visual_likelihood(graph, i, motion);
         return vo::MotionSlope{l.nll, l.gradient.motion, l.gradient.covariance};
       };
       const auto replayed = vo::motion_cost<double>(

@@ -1,0 +1,168 @@
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "app/bench_rows.hpp"
+#include "app/command.hpp"
+#include "app/interrupt.hpp"
+#include "slam/base/file.hpp"
+#include "slam/base/log.hpp"
+#include "slam/base/parallel.hpp"
+#include "slam/base/process_group.hpp"
+#include "slam/system/run_folder.hpp"
+#include "slam/system/suite_bench.hpp"
+
+namespace imslam::app {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kRootVariable = "IMSLAM_SUITE_ROOT";
+
+constexpr const char* kExamples =
+    "Examples:\n"
+    "  imslam bench suite_euroc --root /data/euroc             the published table and our rows\n"
+    "  imslam bench suite_kitti --root /data/kitti --jobs 4    four processes\n"
+    "  mpirun -n 8 imslam bench suite_kitti --root /data/kitti on several machines\n"
+    "  imslam bench my_suite.yaml --variants vo,vision,graph --front-end learned\n"
+    "Rows (--variants): vo = odometry alone, IMU off; vision = graph without IMU; graph = graph "
+    "with IMU.\n"
+    "A second call uses the runs that are there, if they are of the same program, options and "
+    "data.\n"
+    "Without --root the environment's IMSLAM_SUITE_ROOT counts, then the file's root.";
+
+/// --root before the environment before the file; empty: none is given.
+fs::path given_root(const BenchArguments& arguments, const system::Suite& suite) {
+  if (!arguments.root.empty()) return arguments.root;
+  const char* variable = std::getenv(kRootVariable);
+  return variable != nullptr && *variable != '\0' ? fs::path(variable) : suite.root;
+}
+
+fs::path choose_root(const BenchArguments& arguments, const system::Suite& suite) {
+  const fs::path root = given_root(arguments, suite);
+  if (root.empty()) {
+    throw InputError(fmt::format("{}: where are the sequences? give --root or {}", arguments.suite,
+                                 kRootVariable),
+                     ExitCode::kUsage);
+  }
+  if (!fs::is_directory(root)) {
+    throw InputError(
+        fmt::format("{}: no such folder; give the one that holds the sequences with "
+                    "--root or {}",
+                    root.string(), kRootVariable));
+  }
+  return root;
+}
+
+/// What is published, and which sequences are there.
+ExitCode list(const BenchArguments& arguments, const system::Suite& suite) {
+  std::fputs(system::as_text(system::make_suite_table(suite, {})).c_str(), stdout);
+  const fs::path root = given_root(arguments, suite);
+  for (const system::SuiteSequence& sequence : suite.sequences) {
+    const auto found = root.empty() ? std::nullopt : system::find_sequence(root, sequence);
+    std::printf("%s: %s\n", sequence.name.c_str(), found ? found->c_str() : "not there");
+  }
+  return ExitCode::kOk;
+}
+
+/// Two calls must not write into one folder. The lock goes when the process ends, however it ends.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder) {
+    std::error_code error;
+    fs::create_directories(folder, error);
+    descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (descriptor_ < 0) {
+      throw InputError(folder.string() + ": cannot be made; choose another place with --out",
+                       ExitCode::kOutput);
+    }
+    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      throw InputError(folder.string() + ": another bench is writing there; name another --out",
+                       ExitCode::kOutput);
+    }
+  }
+  ~FolderLock() { ::close(descriptor_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
+
+void share_processors(const CommonOptions& common, const ProcessOptions& processes) {
+  if (common.threads > 0) return;
+  const auto all = static_cast<int>(std::thread::hardware_concurrency());
+  set_thread_count(std::max(1, all / processes_on_this_machine(processes)));
+}
+
+ExitCode bench(const BenchArguments& arguments, const CommonOptions& common) {
+  const system::Suite suite = system::read_suite(find_config(arguments.suite));
+  if (arguments.list) return list(arguments, suite);
+  const fs::path root = choose_root(arguments, suite);
+  const fs::path out = arguments.out.empty()
+                           ? fs::path("runs") / ("bench_" + system::safe_name(suite.name))
+                           : fs::path(arguments.out);
+  make_methods(arguments, common, suite, out, false);  // wrong options are told before any work
+  const HeldInterrupts held;
+  ProcessOptions processes;
+  processes.jobs = arguments.jobs;
+  processes.stopped = [] { return interrupted(); };
+  return run_in_processes(processes, [&](ProcessGroup& group) {
+    std::unique_ptr<FolderLock> lock;
+    if (group.rank() == 0) lock = std::make_unique<FolderLock>(out);
+    group.barrier();
+    share_processors(common, processes);
+    const bool show_progress = group.size() == 1 && !common.quiet;
+    const auto rows = system::run_suite(
+        suite, root, make_methods(arguments, common, suite, out, show_progress), group);
+    if (group.rank() != 0) return ExitCode::kOk;
+    const system::SuiteTable table = system::make_suite_table(suite, rows);
+    const std::string text = system::as_text(table);
+    write_file_atomic(out / "table.txt", text);
+    write_file_atomic(out / "table.csv", system::as_csv(table));
+    write_file_atomic(out / "table.tex", system::as_latex(table));
+    std::fputs(text.c_str(), stdout);
+    log::info("table.txt, table.csv, table.tex and all runs are in {}", out.string());
+    return interrupted() ? ExitCode::kInterrupted : system::exit_code_of(rows);
+  });
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, Action& action, const CommonOptions& common) {
+  auto* command =
+      app.add_subcommand("bench", "Run a suite of sequences; the published table and ours");
+  command->footer(kExamples);
+  auto arguments = std::make_shared<BenchArguments>();
+  command->add_option("suite", arguments->suite, "Suite file, or suite_kitti, suite_euroc")
+      ->required();
+  command->add_option("--root", arguments->root, "Folder that holds the sequences");
+  command->add_option("--out", arguments->out, "Runs and tables (default: runs/bench_<name>)");
+  command->add_option("--variants", arguments->variants, "Rows: vo, vision, graph")
+      ->capture_default_str();
+  command
+      ->add_option("--weights-vo", arguments->weights_vo,
+                   "Weights of the matching network; implies --front-end learned")
+      ->check(CLI::ExistingFile);
+  command->add_option("--front-end", arguments->front_end, "klt or learned");
+  command->add_option("--jobs", arguments->jobs, "Processes on this machine")
+      ->capture_default_str();
+  command->add_flag("--force", arguments->force, "Run again what is there already");
+  command->add_flag("--list", arguments->list,
+                    "Only print what is published and which sequences are there");
+  arguments->layers.add_options(*command);
+  command->callback([&action, arguments, &common] {
+    action = [arguments, &common] { return bench(*arguments, common); };
+  });
+}
+
+}  // namespace imslam::app
