@@ -8,6 +8,8 @@
 
 #include "app/interrupt.hpp"
 #include "app/version.hpp"
+#include "slam/adaptation/finetune.hpp"
+#include "slam/adaptation/online_adapter.hpp"
 #include "slam/base/progress.hpp"
 #include "slam/base/text.hpp"
 #include "slam/system/suite_runs.hpp"
@@ -16,6 +18,9 @@ namespace imslam::app {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr const char* kOnline = "adapted online";
+constexpr const char* kAdapted = "adapted to this sequence before the run";
+
 /// A row that this command knows.
 struct Variant {
   std::string key;
@@ -23,13 +28,18 @@ struct Variant {
   std::string run;    ///< folder of the runs that it is taken from
   std::string block;  ///< of metrics.json
   bool imu = false;
+  std::string networks = "zero-shot";
 };
 
 const std::vector<Variant>& variants() {
   static const std::vector<Variant> all = {
       {"vo", "imslam zero-shot, VO only", "vision", "vo", false},
       {"vision", "imslam zero-shot, graph without IMU", "vision", "graph", false},
-      {"graph", "imslam zero-shot, with IMU", "inertial", "graph", true}};
+      {"graph", "imslam zero-shot, with IMU", "inertial", "graph", true},
+      {"online_vo", "imslam online-adapted, VO of that run", "online", "vo", true, kOnline},
+      {"online", "imslam online-adapted, with IMU", "online", "graph", true, kOnline},
+      {"adapted_vo", "imslam adapted, VO of that run", "adapted", "vo", true, kAdapted},
+      {"adapted", "imslam adapted, with IMU", "adapted", "graph", true, kAdapted}};
   return all;
 }
 
@@ -55,6 +65,7 @@ std::vector<Variant> chosen_variants(const std::string& text) {
 void apply_options(const BenchArguments& arguments,
                    const system::Suite& suite,
                    bool imu,
+                   bool learns,
                    Settings& settings) {
   Config& config = settings.config();
   if (!suite.config.empty()) config.load_file(find_config(suite.config));
@@ -67,11 +78,54 @@ void apply_options(const BenchArguments& arguments,
     config.set("system.front_end=" + arguments.front_end, "--front-end");
   }
   if (!imu) config.set("system.imu=off", "variant");
+  if (learns) {
+    config.set("system.front_end=learned", "variant");
+    config.set("system.imu=learned", "variant");
+  }
   settings.validate();
   if (imu && settings.slam().system.imu == "off") {
     throw InputError("system.imu is off: leave row 'graph' out (--variants vo,vision)",
                      ExitCode::kUsage);
   }
+}
+
+using Prepare = decltype(system::SuiteRunSetup::prepare);
+
+/// The networks learn from the past while the run goes on.
+Prepare learn_online(const adaptation::AdaptationOptions& adaptation) {
+  return [adaptation](datasets::Sequence& sequence, system::SlamOptions& options,
+                      system::RunRequest& request) {
+    auto adapter =
+        std::make_shared<adaptation::OnlineAdapter>(options, adaptation, sequence);
+    adapter->attach(request);
+    return std::shared_ptr<void>(adapter);
+  };
+}
+
+/// The graph teaches the networks on the sequence, then the run uses them.
+Prepare learn_before(const adaptation::AdaptationOptions& adaptation,
+                     const fs::path& folder,
+                     bool force) {
+  return [adaptation, folder, force](datasets::Sequence& sequence, system::SlamOptions& options,
+                                     system::RunRequest& request) {
+    system::RunRequest quiet;
+    quiet.keep_going = [](std::size_t, std::size_t) { return !interrupted(); };
+    const adaptation::EpochRequest epoch{sequence, options, adaptation, quiet};
+    learner::TrainingRequest training;
+    training.folder = folder / sequence.name();
+    training.resume = !force;
+    training.force = force;
+    training.command = "imslam bench";
+    training.keep_going = [](int, int, const std::string&) { return !interrupted(); };
+    Config config;
+    adaptation::AdaptationOptions printed = adaptation;
+    config.section("finetune", printed);
+    const auto outcome = adaptation::finetune(epoch, config.to_yaml(), training);
+    if (outcome.training.stopped) throw InputError("stopped", ExitCode::kInterrupted);
+    adaptation::use_networks(training.folder / "weights", options);
+    request.networks = nullptr;
+    return std::shared_ptr<void>();
+  };
 }
 
 std::shared_ptr<system::SuiteRuns> make_runs(const BenchArguments& arguments,
@@ -81,8 +135,16 @@ std::shared_ptr<system::SuiteRuns> make_runs(const BenchArguments& arguments,
                                              const fs::path& out,
                                              bool show_progress) {
   Settings settings;
-  apply_options(arguments, suite, variant.imu, settings);
+  adaptation::AdaptationOptions adaptation;
+  settings.config().section("finetune", adaptation);
+  apply_options(arguments, suite, variant.imu, variant.networks != "zero-shot", settings);
+  adaptation.validate();
   system::SuiteRunSetup setup;
+  setup.networks = variant.networks;
+  if (variant.networks == kOnline) setup.prepare = learn_online(adaptation);
+  if (variant.networks == kAdapted) {
+    setup.prepare = learn_before(adaptation, out / "finetune", arguments.force);
+  }
   setup.options = settings.slam();
   setup.provenance.version = version_text();
   setup.provenance.git_hash = git_hash();

@@ -133,7 +133,11 @@ SuiteRun SuiteRuns::make(const SuiteSequence& sequence,
     if (setup_.progress) setup_.progress(sequence.name, done, total);
     return !setup_.stopped || !setup_.stopped();
   };
-  const RunOutcome outcome = run_sequence(recording, setup_.options, request);
+  SlamOptions options = setup_.options;
+  std::shared_ptr<void> kept;
+  if (setup_.prepare) kept = setup_.prepare(recording, options, request);
+  RunOutcome outcome = run_sequence(recording, options, request);
+  outcome.summary.networks = setup_.networks;
   if (outcome.stopped) throw InputError("not run to its end: stopped", ExitCode::kInterrupted);
 
   const fs::path staging = setup_.folder / (".unfinished_" + sequence.name);

@@ -3,11 +3,13 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "datasets/sequence.hpp"
 #include "slam/system/run_recorder.hpp"
+#include "slam/system/run_sequence.hpp"
 #include "slam/system/slam_options.hpp"
 #include "slam/system/suite_file.hpp"
 
@@ -19,6 +21,10 @@ struct SuiteRunSetup {
   RunProvenance provenance;      ///< without input_files
   std::filesystem::path folder;  ///< each run goes to <folder>/<sequence>
   bool force = false;            ///< run again whatever is there
+  /// Before each run: may change its options and request, e.g. let the networks learn. What it
+  /// returns lives until the run has ended.
+  std::function<std::shared_ptr<void>(datasets::Sequence&, SlamOptions&, RunRequest&)> prepare;
+  std::string networks = "zero-shot";  ///< see RunSummary
   std::function<bool()> stopped;
   std::function<void(const std::string& sequence, std::size_t done, std::size_t total)> progress;
 };
