@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <initializer_list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,7 @@ constexpr const char* kExamples =
     "  imslam finetune MH_01_easy --epochs 20 --out runs/mh01_tuned\n"
     "  imslam finetune MH_01_easy --out runs/mh01_tuned --resume      go on after a stop\n"
     "  imslam run MH_01_easy --networks runs/mh01_tuned/weights       use the result\n"
+    "  imslam report runs/mh01_tuned                     write its report.html anew\n"
     "`imslam finetune --list` prints every key of the fine-tuning with its default and meaning.";
 
 struct FinetuneArguments {
@@ -43,7 +45,7 @@ struct FinetuneArguments {
   std::string out;
   std::string frames;
   std::string networks;
-  int epochs = 0;
+  std::optional<int> epochs;
   bool resume = false;
   bool force = false;
   bool overwrite = false;
@@ -89,7 +91,7 @@ void apply_flags(const FinetuneArguments& arguments,
   Config& config = settings.config();
   config.set("system.front_end=" + arguments.front_end, "--front-end");
   config.set("system.imu=" + arguments.imu, "--imu");
-  if (arguments.epochs > 0) options.epochs = arguments.epochs;
+  if (arguments.epochs) options.epochs = *arguments.epochs;
   if (arguments.force) options.guard = false;
   settings.validate();
   options.validate();
@@ -115,12 +117,12 @@ void record(const fs::path& folder,
 void tell_result(const adaptation::FinetuneOutcome& outcome, const fs::path& folder) {
   const learner::TrainingOutcome& training = outcome.training;
   std::fputs(adaptation::comparison_table(outcome.before, outcome.after).c_str(), stdout);
+  fmt::print("{}\n", adaptation::guard_text(outcome));
   if (!training.omitted.empty()) {
     log::warn("left out in {} steps: {}", training.steps, training.omitted);
   }
   if (!training.gained()) {
-    log::warn("{} To get the best of the epochs all the same: --force, into another --out.",
-              adaptation::guard_text(outcome));
+    log::warn("to get the best of the epochs all the same: --force, into another --out");
   }
   for (const fs::path& file : outcome.weights) fmt::print("weights: {}\n", file.string());
   fmt::print("report: {}\n", (folder / "report.html").string());
@@ -205,17 +207,22 @@ void add_finetune_command(CLI::App& app, Action& action, const CommonOptions& co
       ->capture_default_str();
   command->add_option("--front-end", arguments->front_end, "klt or learned")->capture_default_str();
   command->add_option("--imu", arguments->imu, "raw, learned or off")->capture_default_str();
-  command->add_option("--epochs", arguments->epochs, "Imperative iterations (default: 10)");
+  command->add_option("--epochs", arguments->epochs,
+                      "Imperative iterations: run, solve the graph, teach (default: 10)");
   command->add_option("--networks", arguments->networks,
                       "Folder of weights to begin with, as finetune writes it");
-  command->add_option("--out", arguments->out, "Folder (default: runs/finetune_NAME)");
+  command->add_option("--out", arguments->out,
+                      "Folder of all results (default: runs/finetune_NAME)");
   command->add_option("--frames", arguments->frames, "Only frames A to B-1")->type_name("A:B");
-  auto* resume =
-      command->add_flag("--resume", arguments->resume, "Go on with the fine-tuning in --out");
-  command->add_flag("--force", arguments->force,
-                    "Hand back the best epoch even if it is no better than what was given");
+  auto* resume = command->add_flag(
+      "--resume", arguments->resume,
+      "Go on with the fine-tuning in --out, however it was stopped: same options, same data");
+  command->add_flag(
+      "--force", arguments->force,
+      "No guard: hand the best epoch back even if it does not gain on what was given");
   command
-      ->add_flag("--overwrite", arguments->overwrite, "Throw an earlier fine-tuning in --out away")
+      ->add_flag("--overwrite", arguments->overwrite,
+                 "Throw an earlier fine-tuning in --out away, weights and report included")
       ->excludes(resume);
   command->add_flag("--list", arguments->list, "Print all keys of the fine-tuning and stop");
   arguments->layers.add_options(*command);

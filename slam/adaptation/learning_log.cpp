@@ -27,6 +27,7 @@ LearningLog read_learning_log(const std::filesystem::path& file, int steps_per_e
   const std::string text = read_file(file);
   const auto lines = split(text, '\n');
   const auto columns = split(lines.front(), ',');
+  const std::string known = EpochScores::columns();
   LearningLog log;
   for (std::size_t i = 1; i < lines.size(); ++i) {
     if (trim(lines[i]).empty()) continue;
@@ -37,7 +38,7 @@ LearningLog read_learning_log(const std::filesystem::path& file, int steps_per_e
     }
     log.epoch.push_back(number(cells[0]) / steps_per_epoch);
     log.curves["held_out_loss"].push_back(number(cells[2]));
-    for (const std::string_view name : split(EpochScores::columns(), ',')) {
+    for (const std::string_view name : split(known, ',')) {
       for (std::size_t c = 3; c < columns.size(); ++c) {
         if (columns[c] == name) log.curves[std::string(name)].push_back(number(cells[c]));
       }

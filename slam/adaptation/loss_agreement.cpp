@@ -103,7 +103,7 @@ std::string LossAgreement::sentence() const {
           *rank_correlation, looks);
       break;
     case Verdict::kUnclear:
-      text += rank_correlation
+      text += rank_correlation && looks >= kFewestLooks
                   ? fmt::format(
                         ": no clear agreement (rank correlation {:+.2f} over {} looks is "
                         "within chance).",

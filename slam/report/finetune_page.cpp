@@ -81,6 +81,7 @@ std::string result_table(const FinetuneContent& content) {
   for (const Measure& measure : finetune_measures()) {
     const double before = number_at(at(results, "zero_shot"), measure.key);
     const double after = number_at(at(results, "batch_adapted"), measure.key);
+    if (!std::isfinite(before) && !std::isfinite(after)) continue;
     const Change change = change_of(measure, before, after);
     out += fmt::format("<tr><th>{} <small>{}</small></th><td>{}</td>", measure.label, measure.unit,
                        number_text(before));
