@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,11 +14,13 @@
 #include "app/interrupt.hpp"
 #include "app/provenance.hpp"
 #include "app/settings.hpp"
+#include "app/version.hpp"
 #include "datasets/open_sequence.hpp"
-#include "slam/adaptation/finetune.hpp"
+#include "slam/adaptation/finetune_record.hpp"
 #include "slam/base/file.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/progress.hpp"
+#include "slam/system/run_folder.hpp"
 #include "slam/system/run_recorder.hpp"
 
 namespace imslam::app {
@@ -29,6 +34,7 @@ constexpr const char* kExamples =
     "  imslam finetune MH_01_easy --epochs 20 --out runs/mh01_tuned\n"
     "  imslam finetune MH_01_easy --out runs/mh01_tuned --resume      go on after a stop\n"
     "  imslam run MH_01_easy --front-end learned --imu learned --networks runs/mh01_tuned/weights\n"
+    "  imslam report runs/mh01_tuned                     write its report.html anew\n"
     "`imslam finetune --list` prints every key of the fine-tuning with its default and meaning.";
 
 struct FinetuneArguments {
@@ -39,7 +45,7 @@ struct FinetuneArguments {
   std::string out;
   std::string frames;
   std::string networks;
-  int epochs = 0;
+  std::optional<int> epochs;
   bool resume = false;
   bool force = false;
   bool overwrite = false;
@@ -47,10 +53,36 @@ struct FinetuneArguments {
   ConfigLayers layers;
 };
 
-std::string joined(const std::vector<std::string>& words) {
+/// The command that makes the result again, for model cards: without what leaves it as it is, so
+/// that a fine-tuning that went on after a stop ends in the same bytes.
+std::string essential_command(const std::vector<std::string>& words) {
+  const auto is_any = [](const std::string& word, std::initializer_list<const char*> names) {
+    return std::find(names.begin(), names.end(), word) != names.end();
+  };
   std::string line = "imslam";
-  for (std::size_t i = 1; i < words.size(); ++i) line += " " + words[i];
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::string& word = words[i];
+    const std::string name = word.substr(0, word.find('='));
+    if (is_any(word, {"--resume", "--overwrite", "--quiet", "-q", "--verbose", "-v"})) continue;
+    if (is_any(name, {"--threads", "--log-file"})) {
+      if (name == word) ++i;
+      continue;
+    }
+    line += " " + word;
+  }
   return line;
+}
+
+/// The zero-shot run reads these again at the end: they must not be what is written.
+void check_networks(const std::string& networks, const fs::path& out) {
+  if (networks.empty()) return;
+  if (!fs::is_directory(networks)) {
+    throw InputError("--networks: expected a folder of weights, got " + networks, ExitCode::kModel);
+  }
+  if (fs::weakly_canonical(networks) == fs::weakly_canonical(out / "weights")) {
+    throw InputError("--networks: these are the results in --out; name another --out",
+                     ExitCode::kUsage);
+  }
 }
 
 void apply_flags(const FinetuneArguments& arguments,
@@ -59,10 +91,17 @@ void apply_flags(const FinetuneArguments& arguments,
   Config& config = settings.config();
   config.set("system.front_end=" + arguments.front_end, "--front-end");
   config.set("system.imu=" + arguments.imu, "--imu");
-  if (arguments.epochs > 0) options.epochs = arguments.epochs;
+  if (arguments.epochs) options.epochs = *arguments.epochs;
   if (arguments.force) options.guard = false;
   settings.validate();
   options.validate();
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!error) return;
+  throw InputError(folder.string() + ": cannot be made: " + error.message(), ExitCode::kOutput);
 }
 
 void record(const fs::path& folder,
@@ -71,25 +110,24 @@ void record(const fs::path& folder,
             const system::RunProvenance& provenance,
             const StereoCamera& camera,
             double map_voxel_m) {
-  std::error_code error;
-  fs::create_directories(folder, error);
+  make_folder(folder);
   outcome.summary.networks = networks;
   system::record_run(folder, outcome.result, outcome.summary, provenance, camera,
                      outcome.evaluation, map_voxel_m);
 }
 
-void tell_result(const adaptation::FinetuneOutcome& outcome) {
+void tell_result(const adaptation::FinetuneOutcome& outcome, const fs::path& folder) {
   const learner::TrainingOutcome& training = outcome.training;
   std::fputs(adaptation::comparison_table(outcome.before, outcome.after).c_str(), stdout);
+  fmt::print("{}\n", adaptation::guard_text(outcome));
   if (!training.omitted.empty()) {
     log::warn("left out in {} steps: {}", training.steps, training.omitted);
   }
   if (!training.gained()) {
-    log::warn(
-        "no epoch gained on the given networks in the held-out loss: they are the result; to get "
-        "the best of the epochs all the same: --force");
+    log::warn("to get the best of the epochs all the same: --force, into another --out");
   }
   for (const fs::path& file : outcome.weights) fmt::print("weights: {}\n", file.string());
+  fmt::print("report: {}\n", (folder / "report.html").string());
 }
 
 ExitCode finetune(const FinetuneArguments& arguments, const CommonOptions& common) {
@@ -119,7 +157,11 @@ ExitCode finetune(const FinetuneArguments& arguments, const CommonOptions& commo
                                          : fs::path(arguments.out);
   request.resume = arguments.resume;
   request.force = arguments.overwrite;
-  request.command = joined(common.command_line);
+  request.force_flag = "--overwrite";
+  request.command = essential_command(common.command_line);
+  check_networks(arguments.networks, request.folder);
+  make_folder(request.folder);
+  const system::FolderLock lock(request.folder);
   const HeldInterrupts held;
   ProgressBar bar("finetune " + sequence->name(), !common.quiet);
   std::string note;
@@ -148,7 +190,10 @@ ExitCode finetune(const FinetuneArguments& arguments, const CommonOptions& commo
          sequence->camera(), slam.system.map_voxel_m);
   record(request.folder / "adapted", outcome.adapted, "adapted to this sequence before the run",
          provenance, sequence->camera(), slam.system.map_voxel_m);
-  tell_result(outcome);
+  adaptation::record_finetune(
+      request.folder, outcome, options,
+      {sequence->name(), adaptation::sequence_sha256(*sequence), version_text(), request.command});
+  tell_result(outcome, request.folder);
   return ExitCode::kOk;
 }
 
@@ -164,16 +209,23 @@ void add_finetune_command(CLI::App& app, Action& action, const CommonOptions& co
       ->capture_default_str();
   command->add_option("--front-end", arguments->front_end, "klt or learned")->capture_default_str();
   command->add_option("--imu", arguments->imu, "raw, learned or off")->capture_default_str();
-  command->add_option("--epochs", arguments->epochs, "Imperative iterations (default: 10)");
+  command->add_option("--epochs", arguments->epochs,
+                      "Imperative iterations: run, solve the graph, teach (default: 10)");
   command->add_option("--networks", arguments->networks,
                       "Folder of weights to begin with, as finetune writes it");
-  command->add_option("--out", arguments->out, "Folder (default: runs/finetune_NAME)");
+  command->add_option("--out", arguments->out,
+                      "Folder of all results (default: runs/finetune_NAME)");
   command->add_option("--frames", arguments->frames, "Only frames A to B-1")->type_name("A:B");
-  command->add_flag("--resume", arguments->resume, "Go on with the fine-tuning in --out");
-  command->add_flag("--force", arguments->force,
-                    "Hand back the best epoch even if it is no better than what was given");
-  command->add_flag("--overwrite", arguments->overwrite,
-                    "Throw an earlier fine-tuning in --out away");
+  auto* resume = command->add_flag(
+      "--resume", arguments->resume,
+      "Go on with the fine-tuning in --out, however it was stopped: same options, same data");
+  command->add_flag(
+      "--force", arguments->force,
+      "No guard: hand the best epoch back even if it does not gain on what was given");
+  command
+      ->add_flag("--overwrite", arguments->overwrite,
+                 "Throw an earlier fine-tuning in --out away, weights and report included")
+      ->excludes(resume);
   command->add_flag("--list", arguments->list, "Print all keys of the fine-tuning and stop");
   arguments->layers.add_options(*command);
   command->callback([&action, arguments, &common] {

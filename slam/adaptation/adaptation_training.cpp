@@ -4,6 +4,7 @@
 
 #include "slam/adaptation/inertial_lesson.hpp"
 #include "slam/adaptation/visual_lesson.hpp"
+#include "slam/base/error.hpp"
 #include "slam/nn/ops/pointwise.hpp"
 
 namespace imslam::adaptation {
@@ -48,7 +49,15 @@ void AdaptationTraining::begin_epoch(int first_step) {
   for (const nn::Parameter<float>* parameter : networks_.parameters()) {
     epoch_weights_.push_back(parameter->value.clone());
   }
-  epoch_ = run_epoch(request_, networks_, first_step / steps_per_epoch());
+  try {
+    epoch_ = run_epoch(request_, networks_, first_step / steps_per_epoch());
+  } catch (const InputError& problem) {
+    // Networks that see no motion at all are the worst, and teach nothing; those that were given
+    // must see something.
+    if (problem.code() != ExitCode::kTrackingLost || first_step == 0) throw;
+    epoch_ = std::make_unique<Epoch>();
+    epoch_->reason = problem.what();
+  }
   epoch_step_ = first_step;
   if (!truth_) truth_ = true_inertial_log(request_.sequence, epoch_->outcome);
 }

@@ -40,6 +40,45 @@ void make_folder(const fs::path& folder) {
   }
 }
 
+/// What a finished fine-tuning left: none of it belongs to the one that begins.
+void throw_results_away(const fs::path& folder) {
+  std::error_code ignored;
+  for (const char* name :
+       {kWeights, "zero_shot", "adapted", "metrics.json", "report.html", "learning.svg"}) {
+    fs::remove_all(folder / name, ignored);
+  }
+}
+
+/// Whether `file` holds exactly these parameters.
+bool holds(const fs::path& file, const nn::ParameterList<float>& parameters) {
+  const auto saved = nn::WeightsFile::read(file);
+  for (const nn::Parameter<float>* parameter : parameters) {
+    if (saved.find(parameter->name) == nullptr) return false;
+    nn::Tensor<float> value(parameter->value.shape());
+    saved.read_into(parameter->name, value);
+    if (!(value.array() == parameter->value.array()).all()) return false;
+  }
+  return true;
+}
+
+/// Leaves the given weights in `folder`/before.safetensors, or makes sure that they are those that
+/// the fine-tuning there began with.
+void keep_given_weights(AdaptationTraining& training, const learner::TrainingRequest& request) {
+  learner::prepare_training_folder(request, training.name());
+  const nn::ParameterList<float>& given = training.networks().parameters();
+  if (!request.resume || !learner::has_checkpoint(request.folder)) {
+    throw_results_away(request.folder);
+    nn::save_parameters(request.start, given, training.card());
+    return;
+  }
+  if (!fs::exists(request.start) || !holds(request.start, given)) {
+    throw InputError(request.start.string() +
+                         ": not the networks that are given now; go on with those it began with, "
+                         "or name another --out",
+                     ExitCode::kModel);
+  }
+}
+
 std::string cell(const std::optional<double>& value) {
   return value ? fmt::format("{:.5g}", *value) : "-";
 }
@@ -63,11 +102,8 @@ FinetuneOutcome finetune(const EpochRequest& epoch,
                          const std::string& config_yaml,
                          learner::TrainingRequest request) {
   AdaptationTraining training(epoch, sequence_sha256(epoch.sequence));
-  make_folder(request.folder);
   request.start = request.folder / kBefore;
-  if (!request.resume || !fs::exists(request.start)) {
-    nn::save_parameters(request.start, training.networks().parameters(), training.card());
-  }
+  keep_given_weights(training, request);
   FinetuneOutcome outcome;
   outcome.training = learner::run_training(training, config_yaml, request);
   if (outcome.training.stopped) return outcome;

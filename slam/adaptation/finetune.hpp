@@ -27,6 +27,7 @@ struct FinetuneOutcome {
 ///   weights/NAME.safetensors   the result, one file per network, with model cards
 ///   checkpoint.safetensors, config.yaml, log.csv
 ///
+/// A new fine-tuning in the same folder throws all results of the earlier one away.
 /// With options.guard, a result that does not gain on the given weights in the held-out
 /// self-supervised loss is refused: the given weights are the result.
 /// Throws what run_sequence() and run_training() throw. Stopped: `weights` is empty.

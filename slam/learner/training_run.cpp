@@ -18,29 +18,7 @@ namespace fs = std::filesystem;
 const char* const kCheckpoint = "checkpoint.safetensors";
 const char* const kLog = "log.csv";
 
-std::string weights_name(const NetworkTraining& training) {
-  return training.name() + ".safetensors";
-}
-
-void prepare_folder(const TrainingRequest& request, const std::string& weights) {
-  std::error_code error;
-  const bool used = fs::exists(request.folder / kCheckpoint) || fs::exists(request.folder / kLog);
-  if (used && !request.resume && !request.force) {
-    throw InputError(request.folder.string() +
-                         ": holds a training; --resume goes on with it, "
-                         "--force throws it away",
-                     ExitCode::kOutput);
-  }
-  fs::create_directories(request.folder, error);
-  if (error) {
-    throw InputError(request.folder.string() + ": cannot be made: " + error.message(),
-                     ExitCode::kOutput);
-  }
-  if (request.resume) return;
-  for (const std::string& name : {std::string(kCheckpoint), weights, std::string(kLog)}) {
-    fs::remove(request.folder / name, error);
-  }
-}
+std::string weights_name(const std::string& name) { return name + ".safetensors"; }
 
 /// The log as it was at `step`: what was written after the checkpoint will be written again.
 std::vector<std::string> read_log(const fs::path& file, int step) {
@@ -80,7 +58,7 @@ class TrainingRun {
   }
 
   TrainingOutcome run() {
-    outcome_.weights = request_.folder / weights_name(training_);
+    outcome_.weights = request_.folder / weights_name(training_.name());
     while (!training_.done() && !outcome_.stopped) advance();
     training_.save(request_.folder / kCheckpoint);
     outcome_.steps = training_.step_count();
@@ -154,7 +132,7 @@ class TrainingRun {
     nn::ModelCard card = training_.card();
     card.command = request_.command;
     card.metrics += ": " + seen.text;
-    training_.write_weights(request_.folder / weights_name(training_), card);
+    training_.write_weights(request_.folder / weights_name(training_.name()), card);
   }
 
   const TrainingRequest& request_;
@@ -168,12 +146,38 @@ class TrainingRun {
 
 }  // namespace
 
+void prepare_training_folder(const TrainingRequest& request, const std::string& name) {
+  std::error_code error;
+  const bool used = fs::exists(request.folder / kCheckpoint) || fs::exists(request.folder / kLog);
+  if (used && !request.resume && !request.force) {
+    throw InputError(request.folder.string() + ": holds a training; --resume goes on with it, " +
+                         request.force_flag + " throws it away",
+                     ExitCode::kOutput);
+  }
+  fs::create_directories(request.folder, error);
+  if (error) {
+    throw InputError(request.folder.string() + ": cannot be made: " + error.message(),
+                     ExitCode::kOutput);
+  }
+  if (request.resume) return;
+  for (const std::string& file :
+       {std::string(kCheckpoint), weights_name(name), std::string(kLog)}) {
+    fs::remove(request.folder / file, error);
+  }
+}
+
+bool has_checkpoint(const fs::path& folder) { return fs::exists(folder / kCheckpoint); }
+
 TrainingOutcome run_training(NetworkTraining& training,
                              const std::string& config_yaml,
                              const TrainingRequest& request) {
-  prepare_folder(request, weights_name(training));
-  write_file_atomic(request.folder / "config.yaml", config_yaml);
-  return TrainingRun(training, request).run();
+  prepare_training_folder(request, training.name());
+  const auto write_config = [&] { write_file_atomic(request.folder / "config.yaml", config_yaml); };
+  // What is there stays until it is sure that the training goes on with the same options.
+  if (!request.resume) write_config();
+  TrainingRun run(training, request);
+  if (request.resume) write_config();
+  return run.run();
 }
 
 }  // namespace imslam::learner

@@ -13,10 +13,11 @@ namespace imslam::learner {
 /// What to do in which folder.
 struct TrainingRequest {
   std::filesystem::path folder;
-  bool resume = false;          ///< go on from the checkpoint, if there is one
-  bool force = false;           ///< throw an earlier training away
-  std::filesystem::path start;  ///< weights to begin with; empty: random ones
-  std::string command;          ///< as typed, for the model card
+  bool resume = false;                 ///< go on from the checkpoint, if there is one
+  bool force = false;                  ///< throw an earlier training away
+  std::string force_flag = "--force";  ///< as people ask for it
+  std::filesystem::path start;         ///< weights to begin with; empty: random ones
+  std::string command;                 ///< as typed, for the model card
   /// Called after every step with the steps done, all steps and a note for people; false: stop in
   /// good order.
   std::function<bool(int done, int steps, const std::string& note)> keep_going;
@@ -36,6 +37,13 @@ struct TrainingOutcome {
   std::string best;  ///< the validation of the weights that were kept
   std::filesystem::path weights;
 };
+
+/// Makes the folder, and without `resume` clears it of an earlier training of that name. Throws
+/// InputError(kOutput) if it holds one and neither `resume` nor `force` was asked for.
+void prepare_training_folder(const TrainingRequest& request, const std::string& name);
+
+/// Whether there is anything to go on from.
+bool has_checkpoint(const std::filesystem::path& folder);
 
 /// Trains in a folder that anybody can stop and go on with:
 ///

@@ -2,6 +2,8 @@
 
 #include "slam/base/file.hpp"
 #include "slam/report/assets.hpp"
+#include "slam/report/finetune_content.hpp"
+#include "slam/report/finetune_page.hpp"
 #include "slam/report/html_text.hpp"
 #include "slam/report/page_data.hpp"
 #include "slam/report/trajectory_svg.hpp"
@@ -10,9 +12,10 @@ namespace imslam::report {
 namespace {
 
 /// Order matters: later files use what earlier ones define.
-constexpr std::string_view kScripts[] = {
-    "dom.js",    "data.js",   "clock.js",  "matrix.js", "camera.js", "painter.js", "scene.js",
-    "player.js", "series.js", "charts.js", "boxes.js",  "cards.js",  "tables.js",  "main.js"};
+constexpr std::string_view kScripts[] = {"dom.js",    "data.js",     "clock.js", "matrix.js",
+                                         "camera.js", "painter.js",  "scene.js", "player.js",
+                                         "series.js", "charts.js",   "boxes.js", "cards.js",
+                                         "tables.js", "sections.js", "main.js"};
 
 std::string script() {
   std::string out = std::string(asset("uPlot.js")) + "\n(() => {\n\"use strict\";\n";
@@ -53,6 +56,7 @@ std::string report_html(const RunContent& run) {
 }
 
 void write_report(const std::filesystem::path& run_folder) {
+  if (is_finetuning(run_folder)) return write_finetune_report(run_folder);
   const RunContent run = read_run(run_folder);
   const std::string drawing = trajectory_svg(run, View::kTop, true);
   if (!drawing.empty()) write_file_atomic(run_folder / "trajectory.svg", drawing);

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "slam/report/axis_ticks.hpp"
 #include "slam/report/thinning.hpp"
 
 namespace imslam::report {
@@ -71,23 +72,8 @@ Scale fit(const RunContent& run, View view) {
   return scale;
 }
 
-/// 1, 2 or 5 times a power of ten, at least `minimum`.
-double round_step(double minimum) {
-  const double power = std::pow(10.0, std::floor(std::log10(minimum)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= minimum) return factor * power;
-  }
-  return 10.0 * power;
-}
-
-std::string label(double value, double step) {
-  const int decimals = std::clamp(static_cast<int>(-std::floor(std::log10(step) + 1e-9)), 0, 9);
-  const double shown = std::abs(value) < 0.5 * step ? 0.0 : value;
-  return fmt::format("{:.{}f}", shown, decimals);
-}
-
 std::string grid(const Scale& scale, View view) {
-  const double step = round_step(60.0 / scale.scale);
+  const double step = round_tick(60.0 / scale.scale);
   std::string out;
   const double right = kWidth - kRight;
   const double bottom = kHeight - kBottom;
@@ -97,7 +83,7 @@ std::string grid(const Scale& scale, View view) {
     out += fmt::format(R"(<line class="gridline" x1="{0:.1f}" y1="{1}" x2="{0:.1f}" y2="{2}"/>)", x,
                        kTop, bottom);
     out += fmt::format(R"(<text x="{:.1f}" y="{}" text-anchor="middle">{}</text>)", x, bottom + 16,
-                       label(i * step, step));
+                       tick_text(i * step, step));
     out += '\n';
   }
   for (double i = std::ceil((scale.y0 - bottom) / scale.scale / step); scale.y(i * step) >= kTop;
@@ -106,7 +92,7 @@ std::string grid(const Scale& scale, View view) {
     out += fmt::format(R"(<line class="gridline" x1="{1}" y1="{0:.1f}" x2="{2}" y2="{0:.1f}"/>)", y,
                        kLeft, right);
     out += fmt::format(R"(<text x="{}" y="{:.1f}" text-anchor="end">{}</text>)", kLeft - 6, y + 4,
-                       label(i * step, step));
+                       tick_text(i * step, step));
     out += '\n';
   }
   out += fmt::format(R"(<rect class="frame" x="{}" y="{}" width="{}" height="{}"/>)", kLeft, kTop,

@@ -59,6 +59,12 @@ std::string safe_name(const std::string& name) {
   return safe.empty() ? "sequence" : safe;
 }
 
+FolderLock::FolderLock(const fs::path& folder) : descriptor_(lock_folder(folder)) {}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
 RunFolder::RunFolder(RunFolder&& other) noexcept
     : path_(std::move(other.path_)),
       replaced_(std::exchange(other.replaced_, {})),

@@ -6,6 +6,19 @@
 
 namespace imslam::system {
 
+/// Keeps other processes out of a folder while it lives, and however the process ends no longer.
+class FolderLock {
+ public:
+  /// Throws InputError(kOutput) if another process holds it.
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_ = -1;
+};
+
 /// Where a run writes. No other process gets the same place while this object lives.
 ///
 /// A run that replaces an earlier one writes beside it and takes its place only in publish(): until

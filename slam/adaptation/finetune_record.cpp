@@ -1,0 +1,161 @@
+#include "slam/adaptation/finetune_record.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "slam/adaptation/learning_log.hpp"
+#include "slam/adaptation/loss_agreement.hpp"
+#include "slam/base/file.hpp"
+#include "slam/nn/weights_io.hpp"
+#include "slam/report/report.hpp"
+
+namespace imslam::adaptation {
+namespace fs = std::filesystem;
+namespace {
+
+using nlohmann::json;
+
+json number(const std::optional<double>& value) {
+  const bool known = value && std::isfinite(*value) && std::abs(*value) < 1e299;
+  return known ? json(*value) : json(nullptr);
+}
+
+json scores_json(const EpochScores& scores) {
+  return {{"held_out_loss", number(scores.held_out_loss)},
+          {"learned_loss", number(scores.learned_loss)},
+          {"vo_ate_m", number(scores.vo_ate_m)},
+          {"vo_rpe_m", number(scores.vo_rpe_m)},
+          {"vo_rpe_deg", number(scores.vo_rpe_deg)},
+          {"imu_rotation_deg", number(scores.imu_rotation_deg)},
+          {"imu_position_m", number(scores.imu_position_m)},
+          {"graph_ate_m", number(scores.graph_ate_m)},
+          {"graph_rpe_m", number(scores.graph_rpe_m)},
+          {"graph_rpe_deg", number(scores.graph_rpe_deg)}};
+}
+
+const char* verdict_of(const FinetuneOutcome& outcome) {
+  if (!outcome.training.loss_before) return "forced";
+  return outcome.training.gained() ? "adapted" : "given";
+}
+
+json guard_json(const FinetuneOutcome& outcome) {
+  return {{"on", outcome.training.loss_before.has_value()},
+          {"gained", outcome.training.gained()},
+          {"verdict", verdict_of(outcome)},
+          {"text", guard_text(outcome)},
+          {"loss_before", number(outcome.training.loss_before)},
+          {"loss_after", number(outcome.training.loss_after)}};
+}
+
+/// A forced training does not look at the given networks: the zero-shot run has.
+void begin_with(const EpochScores& before, LearningLog& log) {
+  if (!log.epoch.empty() && log.epoch.front() == 0.0) return;
+  log.epoch.insert(log.epoch.begin(), 0.0);
+  const json scores = scores_json(before);
+  for (auto& [name, values] : log.curves) {
+    const json& value = scores.at(name);
+    values.insert(values.begin(), value.is_number() ? value.get<double>() : std::nan(""));
+  }
+}
+
+json curves_json(const LearningLog& log) {
+  json curves = {{"epoch", log.epoch}};
+  for (const auto& [name, values] : log.curves) {
+    json& column = curves[name] = json::array();
+    for (const double value : values) column.push_back(number(value));
+  }
+  return curves;
+}
+
+json agreement_json(const std::vector<LossAgreement>& all) {
+  using Verdict = LossAgreement::Verdict;
+  json list = json::array();
+  for (const LossAgreement& each : all) {
+    const char* verdict = each.verdict == Verdict::kAgree     ? "agree"
+                          : each.verdict == Verdict::kUnclear ? "unclear"
+                                                              : "contradict";
+    list.push_back({{"error", each.error},
+                    {"name", each.name},
+                    {"looks", each.looks},
+                    {"rank_correlation", number(each.rank_correlation)},
+                    {"verdict", verdict},
+                    {"chosen_epoch", each.chosen_epoch},
+                    {"chosen_error", each.chosen_error},
+                    {"first_error", each.first_error},
+                    {"best_epoch", each.best_epoch},
+                    {"best_error", each.best_error},
+                    {"text", each.sentence()}});
+  }
+  return list;
+}
+
+json models_json(const std::vector<fs::path>& files, const fs::path& folder) {
+  json list = json::array();
+  for (const fs::path& file : files) {
+    const nn::ModelCard card = nn::WeightsFile::read(file).card();
+    list.push_back({{"name", file.stem().string()},
+                    {"file", file.lexically_relative(folder).generic_string()},
+                    {"what", card.what},
+                    {"data", card.data},
+                    {"command", card.command},
+                    {"seed", card.seed},
+                    {"metrics", card.metrics},
+                    {"limits", card.limits},
+                    {"parent", card.parent},
+                    {"sha256", card.sha256}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string guard_text(const FinetuneOutcome& outcome) {
+  const learner::TrainingOutcome& training = outcome.training;
+  if (!training.loss_before) {
+    return "Forced: the best of the epochs is the result, whether or not it gains on the given "
+           "networks.";
+  }
+  if (training.gained()) {
+    return fmt::format(
+        "The adapted networks are the result: they gain on the given ones in the held-out loss "
+        "({:.4f} to {:.4f}).",
+        *training.loss_before, training.loss_after);
+  }
+  return "No epoch gained on the given networks in the held-out loss: the given networks are the "
+         "result, unchanged.";
+}
+
+void record_finetune(const fs::path& folder,
+                     const FinetuneOutcome& outcome,
+                     const AdaptationOptions& options,
+                     const FinetuneProvenance& provenance) {
+  LearningLog log = read_learning_log(folder / "log.csv", options.steps_per_epoch);
+  begin_with(outcome.before, log);
+  const json metrics = {
+      {"kind", "finetune"},
+      {"program", provenance.version},
+      {"dataset", provenance.dataset},
+      {"data_sha256", provenance.data_sha256},
+      {"command", provenance.command},
+      {"frames", outcome.adapted.result.graph.size()},
+      {"epochs",
+       {{"wanted", options.epochs}, {"done", outcome.training.steps / options.steps_per_epoch}}},
+      {"steps", outcome.training.steps},
+      {"skipped_steps", outcome.training.skipped},
+      {"left_out", outcome.training.omitted},
+      {"guard", guard_json(outcome)},
+      {"results",
+       {{"zero_shot", scores_json(outcome.before)},
+        {"online_adapted", nullptr},
+        {"batch_adapted", scores_json(outcome.after)}}},
+      {"curves", curves_json(log)},
+      {"agreement", agreement_json(loss_agreement(log))},
+      {"models", models_json(outcome.weights, folder)}};
+  constexpr auto kReplace = json::error_handler_t::replace;  // paths may not be UTF-8
+  write_file_atomic(folder / "metrics.json", metrics.dump(2, ' ', false, kReplace) + "\n");
+  report::write_report(folder);
+}
+
+}  // namespace imslam::adaptation
