@@ -13,7 +13,7 @@ namespace imslam::testing {
 /// As few frames, steps and motions as can teach.
 inline constexpr const char* kTinyFinetune =
     " --frames 0:14 --set finetune.epochs=2 finetune.steps_per_epoch=2 finetune.edges=2 "
-    "finetune.stretch=3 finetune.imu_crop_s=5 ";
+    "finetune.stretch=3 finetune.imu_crop_s=5 finetune.matcher=heads ";
 
 /// `imslam finetune` on the base recording, within `dir` so that equal arguments are equal
 /// commands; `place` is relative to it.
