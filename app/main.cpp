@@ -80,6 +80,7 @@ int execute(int argc, char** argv) {
   add_imu_command(app, action);
   add_model_command(app, action);
   add_train_command(app, action, common);
+  add_route_command(app, action, common);
 
   try {
     app.parse(argc, argv);

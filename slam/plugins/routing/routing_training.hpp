@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "slam/learner/control_variate.hpp"
+#include "slam/learner/imperative_training.hpp"
+#include "slam/plugins/routing/allocation_network.hpp"
+#include "slam/plugins/routing/allocation_surrogate.hpp"
+
+namespace imslam::routing {
+
+/// How the gradient goes through the solver; see learner/sampled_problem.hpp.
+///   constant_baseline   REINFORCE, `constant` taken off each cost
+///   sample_baseline     REINFORCE, less the mean cost of the other draws (Hu et al. 2020)
+///   control_variate     less what the surrogate explains, which is put back without noise (iMTSP)
+struct RoutingTrainingOptions : learner::TrainingOptions {
+  int agents = 10;
+  int cities = 100;  ///< the depot included
+  std::string estimator = "control_variate";
+  int samples = 1;                ///< allocations drawn per instance; sample_baseline: 2 or more
+  double constant = 2.0;          ///< of constant_baseline
+  double surrogate_rate = 0.003;  ///< learning rate of the surrogate
+
+  RoutingTrainingOptions();
+  void describe(Config& config);
+  void validate() const;  ///< Throws InputError(kUsage) naming key, value and bound.
+};
+
+/// Trains the allocation network on random instances, a new one for every sample.
+class RoutingTraining : public learner::ImperativeTraining {
+ public:
+  explicit RoutingTraining(const RoutingTrainingOptions& options);
+
+  /// Mean longest tour of held-out instances: to the likeliest agent each, and drawn.
+  learner::ValidationRecord look() override;
+  std::string log_columns() const override { return "longest_likeliest,longest_drawn"; }
+  std::string name() const override;
+  nn::ModelCard card() const override;
+
+  /// The gradients of the weights of one batch, without a step: for the variance's measurement.
+  const std::vector<learner::UpperGradient>& batch_outcomes() const { return outcomes(); }
+
+ private:
+  nn::Var sample_loss(nn::Tape<float>& tape, std::size_t slot) override;
+  void finish_step() override;
+  void save_more(nn::WeightsWriter& writer) const override;
+  void restore_more(const nn::WeightsFile& checkpoint) override;
+  nn::ParameterList<float> surrogate_parameters() const;
+  bool has_surrogate() const { return options_.estimator == "control_variate"; }
+  std::unique_ptr<learner::GradientStrategy> make_estimator(std::size_t slot);
+
+  RoutingTrainingOptions options_;
+  AllocationNetwork<float> network_;
+  mutable SurrogateNetwork<float> surrogate_;
+  nn::Adam<float> surrogate_optimizer_;
+  std::vector<AllocationProblem> problems_;                        ///< one per slot
+  std::vector<std::unique_ptr<AllocationSurrogate>> surrogates_;  ///< likewise
+  std::vector<std::unique_ptr<learner::GradientStrategy>> estimators_;
+};
+
+}  // namespace imslam::routing
