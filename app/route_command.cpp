@@ -1,10 +1,13 @@
+#include <fmt/format.h>
+
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 #include <memory>
 #include <string>
 
-#include "app/command.hpp"
+#include "app/route_command.hpp"
 #include "app/training_command.hpp"
+#include "slam/base/text.hpp"
 #include "slam/plugins/routing/routing_training.hpp"
 
 namespace imslam::app {
@@ -56,10 +59,40 @@ void add_train(CLI::App& parent, Action& action, const CommonOptions& common) {
 
 }  // namespace
 
+std::vector<double> positive_numbers(const std::string& option, const std::string& text) {
+  std::vector<double> numbers;
+  for (const std::string_view word : split(text, ',')) {
+    const auto number = parse_double(word);
+    if (!number || !(*number > 0.0) || *number > 1e6) {
+      throw InputError(
+          fmt::format("{} {}: expected positive numbers with commas between", option, text),
+          ExitCode::kUsage);
+    }
+    numbers.push_back(*number);
+  }
+  return numbers;
+}
+
+std::vector<int> whole_numbers(const std::string& option, const std::string& text) {
+  std::vector<int> numbers;
+  for (const double number : positive_numbers(option, text)) {
+    numbers.push_back(static_cast<int>(number));
+  }
+  return numbers;
+}
+
+routing::Instance numbered_instance(int cities, int seed, int index) {
+  Random random = Random(static_cast<std::uint64_t>(seed)).fork(static_cast<std::uint64_t>(index));
+  return routing::random_instance(cities, random);
+}
+
 void add_route_command(CLI::App& app, Action& action, const CommonOptions& common) {
   auto* command = app.add_subcommand("route", "Tours of several agents, the longest one short");
   command->require_subcommand(1);
+  add_route_solve(*command, action, common);
   add_train(*command, action, common);
+  add_route_bench(*command, action, common);
+  add_route_variance(*command, action, common);
 }
 
 }  // namespace imslam::app

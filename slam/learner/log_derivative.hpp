@@ -14,9 +14,9 @@ namespace imslam::learner {
 class LogDerivative : public GradientStrategy {
  public:
   struct Options {
-    int samples = 16;      ///< draws per gradient
-    bool baseline = true;  ///< of the other draws: needs two
-    double constant = 0.0; ///< baseline without others
+    int samples = 16;       ///< draws per gradient
+    bool baseline = true;   ///< of the other draws: needs two
+    double constant = 0.0;  ///< baseline without others
   };
   LogDerivative(Task& task, const Options& options);
 

@@ -93,8 +93,9 @@ AllocationNetwork<S>::AllocationNetwork(int number_of_agents,
   for (nn::Linear<S>* layer : {&enter_pool, &query, &key, &value, &city_policy}) {
     nn::initialise_xavier(layer->weight, random);
   }
-  nn::initialise_uniform(agent_policy, std::sqrt(3.0 / given.value), random);
-  nn::initialise_uniform(agent_bias, 0.5, random);
+  // Small: a tanh that is saturated from the start lets no gradient through.
+  nn::initialise_uniform(agent_policy, 0.1, random);
+  nn::initialise_uniform(agent_bias, 0.1, random);
 }
 
 template <typename S>
@@ -128,12 +129,11 @@ nn::Var AllocationNetwork<S>::agent_queries(nn::Tape<S>& tape,
   const auto one = [&](nn::Var x) {  // as a batch of one
     return nn::reshape(tape, x, {1, tape.shape(x)[0], tape.shape(x)[1]});
   };
-  const nn::Var context =
-      nn::concat(tape, {graph, nn::slice(tape, cities, 0, 0, 1)}, 1);
+  const nn::Var context = nn::concat(tape, {graph, nn::slice(tape, cities, 0, 0, 1)}, 1);
   const nn::Var others = nn::slice(tape, cities, 0, 1, n - 1);
-  const nn::Var seen = nn::attention(tape, one(query.forward(tape, context)),
-                                     one(key.forward(tape, others)),
-                                     one(value.forward(tape, others)), agents);
+  const nn::Var seen =
+      nn::attention(tape, one(query.forward(tape, context)), one(key.forward(tape, others)),
+                    one(value.forward(tape, others)), agents);
   const nn::Var states = nn::reshape(tape, seen, {agents, 1, sizes.value});
   const nn::Var queries = nn::add(tape, nn::matmul(tape, states, tape.parameter(agent_policy)),
                                   tape.parameter(agent_bias));

@@ -50,7 +50,8 @@ void AllocationSurrogate::look_at(const AllocationProblem& problem, const Vector
   prices_.resize(probabilities_.rows(), probabilities_.cols());
   const float* const prices = tape_.data(answer_.prices);
   for (Eigen::Index i = 0; i < prices_.rows(); ++i) {
-    for (Eigen::Index j = 0; j < prices_.cols(); ++j) prices_(i, j) = prices[i * prices_.cols() + j];
+    for (Eigen::Index j = 0; j < prices_.cols(); ++j)
+      prices_(i, j) = prices[i * prices_.cols() + j];
   }
   sum_ = tape_.data(answer_.sum)[0];
   dprices_ = Matrix::Zero(prices_.rows(), prices_.cols());
@@ -75,7 +76,8 @@ void AllocationSurrogate::accumulate(const Vector& x,
                                      double dvalue,
                                      const Vector& dslope) {
   dsum_ += dvalue;
-  for (Eigen::Index i = 0; i < x.size(); ++i) dprices_(i, static_cast<Eigen::Index>(x[i])) += dvalue;
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    dprices_(i, static_cast<Eigen::Index>(x[i])) += dvalue;
   const Matrix d =
       Eigen::Map<const Matrix>(dslope.data(), prices_.cols(), prices_.rows()).transpose();
   const Vector mean = (probabilities_.array() * d.array()).rowwise().sum();

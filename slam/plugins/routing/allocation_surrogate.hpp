@@ -30,7 +30,8 @@ struct SurrogateNetwork {
 
 /// The surrogate s of the control variate, linear in who visits whom so that its mean is known:
 ///
-///   s(x) = s_0 + sum_i c_{i, x_i}      s'_ij = d/dz_ij sum_k p_ik c_ik = p_ij (c_ij - sum_k p_ik c_ik)
+///   s(x) = s_0 + sum_i c_{i, x_i}      s'_ij = d/dz_ij sum_k p_ik c_ik = p_ij (c_ij - sum_k p_ik
+///   c_ik)
 ///
 /// c and s_0 may depend on z in any way: they are held in d/dz, as they are in E[s score], so E[s']
 /// is exact whatever they are. (A surrogate fed with the log-probability of the draw and

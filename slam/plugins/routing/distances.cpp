@@ -41,7 +41,8 @@ void put_nearest_first(const Distances& distances, int place, int count, std::ve
   for (const int other : others) {
     if (other != place) ranked.emplace_back(distances(other, place), other);
   }
-  const auto middle = ranked.begin() + std::min<std::ptrdiff_t>(count, static_cast<std::ptrdiff_t>(ranked.size()));
+  const auto middle =
+      ranked.begin() + std::min<std::ptrdiff_t>(count, static_cast<std::ptrdiff_t>(ranked.size()));
   std::partial_sort(ranked.begin(), middle, ranked.end());
   others.clear();
   for (auto i = ranked.begin(); i != middle; ++i) others.push_back(i->second);
@@ -76,7 +77,8 @@ Neighbours::Neighbours(const Distances& distances, int count)
     const int place = static_cast<int>(i);
     std::vector<int> others = by_grid ? grid.around(points[i], count_ + 1) : all_but(place, n);
     put_nearest_first(distances, place, count_, others);
-    std::copy(others.begin(), others.end(), places_.begin() + static_cast<std::ptrdiff_t>(i) * count_);
+    std::copy(others.begin(), others.end(),
+              places_.begin() + static_cast<std::ptrdiff_t>(i) * count_);
   };
   if (by_grid) {
     parallel_for(static_cast<std::size_t>(n), find);

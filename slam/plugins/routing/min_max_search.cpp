@@ -58,7 +58,8 @@ int MinMaxSearch::best_place(int city, bool blink) {
   int best = -1;
   double least = 1e300;
   const auto consider = [&](int node, int tour) {
-    const double cost = power(fleet_.length(tour) + fleet_.detour(city, node)) - powers_[index(tour)];
+    const double cost =
+        power(fleet_.length(tour) + fleet_.detour(city, node)) - powers_[index(tour)];
     if (cost >= least) return;
     least = cost;
     best = node;
@@ -99,7 +100,8 @@ Fleet MinMaxSearch::greedy(Fleet fleet, const Neighbours& near) {
 int MinMaxSearch::seed_city() {
   const int n = fleet_.cities();
   if (random_.chance(options_.attack)) {
-    const int longest = static_cast<int>(std::max_element(powers_.begin(), powers_.end()) - powers_.begin());
+    const int longest =
+        static_cast<int>(std::max_element(powers_.begin(), powers_.end()) - powers_.begin());
     // A few tries find a city of the longest tour; if not, any city will do.
     for (int tries = 0; tries < 2 * fleet_.agents(); ++tries) {
       const int city = static_cast<int>(random_.integer(0, n - 1));
@@ -133,7 +135,8 @@ void MinMaxSearch::ruin() {
   }
 }
 
-/// `length` neighbours on the tour, the city among them; now and then a few of a longer string stay.
+/// `length` neighbours on the tour, the city among them; now and then a few of a longer string
+/// stay.
 void MinMaxSearch::remove_string(int city, int length) {
   const int tour = fleet_.tour_of(city);
   int node = city;
@@ -164,7 +167,9 @@ void MinMaxSearch::order_removed() {
   waiting_.clear();
   for (const Removal& removal : removed_) waiting_.push_back(removal.city);
   for (std::size_t i = waiting_.size(); i > 1; --i) {
-    std::swap(waiting_[i - 1], waiting_[index(static_cast<int>(random_.integer(0, static_cast<std::int64_t>(i) - 1)))]);
+    std::swap(
+        waiting_[i - 1],
+        waiting_[index(static_cast<int>(random_.integer(0, static_cast<std::int64_t>(i) - 1)))]);
   }
   const double choice = random_.uniform();
   const double sign = choice < 0.3 ? 1.0 : -1.0;  // far from the depot first, or near

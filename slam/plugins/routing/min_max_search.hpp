@@ -10,12 +10,12 @@
 namespace imslam::routing {
 
 struct MinMaxOptions {
-  double removed = 10.0;        ///< cities per ruin, on average about half of it
-  int longest_string = 10;      ///< neighbours on a tour that are taken out together
-  double attack = 0.5;          ///< share of ruins that start on the longest tour
-  double blink = 0.01;          ///< chance that a place is overlooked
-  double heat = 0.3;            ///< first temperature, in mean edges per agent
-  double cold = 0.003;          ///< last temperature
+  double removed = 10.0;    ///< cities per ruin, on average about half of it
+  int longest_string = 10;  ///< neighbours on a tour that are taken out together
+  double attack = 0.5;      ///< share of ruins that start on the longest tour
+  double blink = 0.01;      ///< chance that a place is overlooked
+  double heat = 0.3;        ///< first temperature, in mean edges per agent
+  double cold = 0.003;      ///< last temperature
 };
 
 /// Shortens the longest tour: ruin and recreate under simulated annealing.

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "slam/base/parallel.hpp"
 #include "slam/learner/bounds.hpp"
 #include "slam/learner/imperative_loss.hpp"
@@ -29,6 +31,22 @@ AllocationNetwork<float> first_network(const RoutingTrainingOptions& options) {
 SurrogateNetwork<float> first_surrogate(const RoutingTrainingOptions& options) {
   Random random = Random(static_cast<std::uint64_t>(options.seed)).fork(1);
   return SurrogateNetwork<float>(random);
+}
+
+/// Sum over all numbers of their variance over the batches.
+double scatter(const std::vector<nn::Gradients<float>>& batches) {
+  const auto count = static_cast<double>(batches.size());
+  double sum = 0.0;
+  for (std::size_t p = 0; p < batches.front().size(); ++p) {
+    for (nn::Index i = 0; i < batches.front()[p].size(); ++i) {
+      double mean = 0.0, squares = 0.0;
+      for (const auto& batch : batches) mean += static_cast<double>(batch[p][i]) / count;
+      for (const auto& batch : batches)
+        squares += std::pow(static_cast<double>(batch[p][i]) - mean, 2);
+      sum += squares / (count - 1.0);
+    }
+  }
+  return sum;
 }
 
 }  // namespace
@@ -76,30 +94,61 @@ RoutingTraining::RoutingTraining(const RoutingTrainingOptions& options)
   adopt(parameters);
   for (std::size_t slot = 0; slot < problems_.size(); ++slot) {
     surrogates_.push_back(std::make_unique<AllocationSurrogate>(surrogate_));
-    estimators_.push_back(make_estimator(slot));
+    estimators_.push_back(make_estimator(options_.estimator, slot));
   }
 }
 
-std::unique_ptr<learner::GradientStrategy> RoutingTraining::make_estimator(std::size_t slot) {
-  if (has_surrogate()) {
+std::unique_ptr<learner::GradientStrategy> RoutingTraining::make_estimator(
+    const std::string& estimator, std::size_t slot) {
+  if (estimator == "control_variate") {
     return std::make_unique<learner::ControlVariate>(
         problems_[slot], *surrogates_[slot], learner::ControlVariate::Options{options_.samples});
   }
-  const bool baseline = options_.estimator == "sample_baseline";
+  const bool baseline = estimator == "sample_baseline";
   return std::make_unique<learner::LogDerivative>(
       problems_[slot],
       learner::LogDerivative::Options{options_.samples, baseline, options_.constant});
 }
 
-nn::Var RoutingTraining::sample_loss(nn::Tape<float>& tape, std::size_t slot) {
-  const std::uint64_t index =
-      static_cast<std::uint64_t>(step_count()) * static_cast<std::uint64_t>(options_.batch) + slot;
-  Random random = Random(static_cast<std::uint64_t>(options_.seed)).fork(index + 2);
+nn::Var RoutingTraining::allocate(nn::Tape<float>& tape,
+                                  std::size_t slot,
+                                  Random random,
+                                  learner::GradientStrategy& estimator) {
   problems_[slot].set_instance(random_instance(options_.cities, random));
   const nn::Tensor<float> features = city_features(problems_[slot].instance());
   const nn::Var z = network_.forward(tape, tape.constant(features));
-  if (has_surrogate()) surrogates_[slot]->look_at(problems_[slot], learner::numbers_of(tape, z));
-  return through_solver(tape, z, *estimators_[slot], random.fork(1), slot);
+  surrogates_[slot]->look_at(problems_[slot], learner::numbers_of(tape, z));
+  return through_solver(tape, z, estimator, random.fork(1), slot);
+}
+
+nn::Var RoutingTraining::sample_loss(nn::Tape<float>& tape, std::size_t slot) {
+  const std::uint64_t index =
+      static_cast<std::uint64_t>(step_count()) * static_cast<std::uint64_t>(options_.batch) + slot;
+  return allocate(tape, slot, Random(static_cast<std::uint64_t>(options_.seed)).fork(index + 2),
+                  *estimators_[slot]);
+}
+
+double RoutingTraining::gradient_variance(const std::string& estimator, int batches) {
+  nn::ParameterList<float> parameters;
+  network_.collect(parameters);
+  const auto slots = problems_.size();
+  std::vector<std::unique_ptr<learner::GradientStrategy>> estimators;
+  for (std::size_t slot = 0; slot < slots; ++slot) {
+    estimators.push_back(make_estimator(estimator, slot));
+  }
+  nn::DataParallel<float> batch(parameters, thread_count());
+  std::vector<nn::Gradients<float>> all;
+  for (int b = 0; b < batches; ++b) {
+    all.push_back(nn::zero_gradients(parameters));
+    batch.run(
+        slots,
+        [&](nn::Tape<float>& tape, std::size_t slot) {
+          const std::uint64_t index = static_cast<std::uint64_t>(b) * slots + slot;
+          return allocate(tape, slot, Random(kHeldOut).fork(index), *estimators[slot]);
+        },
+        all.back());
+  }
+  return scatter(all);
 }
 
 /// The surrogate learns from the batch that has just run: all slots' lessons in their order.
@@ -151,13 +200,15 @@ nn::ModelCard RoutingTraining::card() const {
       "allocation network of imslam's routing plugin: shares cities of the plane out to {} agents "
       "so that the longest tour is short",
       options_.agents);
-  card.data = fmt::format("{} random instances of {} uniform cities, depot random, {} draws each, estimator {}",
-                          static_cast<std::int64_t>(step_count()) * options_.batch, options_.cities,
-                          options_.samples, options_.estimator);
+  card.data = fmt::format(
+      "{} random instances of {} uniform cities, depot random, {} draws each, estimator {}",
+      static_cast<std::int64_t>(step_count()) * options_.batch, options_.cities, options_.samples,
+      options_.estimator);
   card.seed = fmt::format("{}", options_.seed);
-  card.metrics = fmt::format("{} held-out random instances of {} cities", options_.validation_samples,
-                             options_.cities);
-  card.limits = "uniform cities; other distributions, or many more cities, are not what it was trained on";
+  card.metrics = fmt::format("{} held-out random instances of {} cities",
+                             options_.validation_samples, options_.cities);
+  card.limits =
+      "uniform cities; other distributions, or many more cities, are not what it was trained on";
   return card;
 }
 
@@ -182,8 +233,7 @@ void RoutingTraining::restore_more(const nn::WeightsFile& checkpoint) {
   for (nn::Parameter<float>* parameter : parameters) {
     checkpoint.read_into("surrogate/" + parameter->name, parameter->value);
   }
-  surrogate_optimizer_.restore(parameters,
-                               nn::state_of<float>(checkpoint, "surrogate_optimizer/"));
+  surrogate_optimizer_.restore(parameters, nn::state_of<float>(checkpoint, "surrogate_optimizer/"));
 }
 
 }  // namespace imslam::routing

@@ -39,8 +39,9 @@ class RoutingTraining : public learner::ImperativeTraining {
   std::string name() const override;
   nn::ModelCard card() const override;
 
-  /// The gradients of the weights of one batch, without a step: for the variance's measurement.
-  const std::vector<learner::UpperGradient>& batch_outcomes() const { return outcomes(); }
+  /// Without a step: how much the gradient of a batch scatters with this estimator, over `batches`
+  /// batches of held-out instances, summed over all weights.
+  double gradient_variance(const std::string& estimator, int batches);
 
  private:
   nn::Var sample_loss(nn::Tape<float>& tape, std::size_t slot) override;
@@ -49,13 +50,18 @@ class RoutingTraining : public learner::ImperativeTraining {
   void restore_more(const nn::WeightsFile& checkpoint) override;
   nn::ParameterList<float> surrogate_parameters() const;
   bool has_surrogate() const { return options_.estimator == "control_variate"; }
-  std::unique_ptr<learner::GradientStrategy> make_estimator(std::size_t slot);
+  std::unique_ptr<learner::GradientStrategy> make_estimator(const std::string& estimator,
+                                                            std::size_t slot);
+  nn::Var allocate(nn::Tape<float>& tape,
+                   std::size_t slot,
+                   Random random,
+                   learner::GradientStrategy& estimator);
 
   RoutingTrainingOptions options_;
   AllocationNetwork<float> network_;
   mutable SurrogateNetwork<float> surrogate_;
   nn::Adam<float> surrogate_optimizer_;
-  std::vector<AllocationProblem> problems_;                        ///< one per slot
+  std::vector<AllocationProblem> problems_;                       ///< one per slot
   std::vector<std::unique_ptr<AllocationSurrogate>> surrogates_;  ///< likewise
   std::vector<std::unique_ptr<learner::GradientStrategy>> estimators_;
 };

@@ -23,8 +23,8 @@ StopRule StopRule::after_iterations(std::int64_t iterations) {
   return StopRule(0.0, iterations, nullptr);
 }
 
-StopRule StopRule::after_seconds(double seconds) {
-  return StopRule(seconds, 0, steady_clock_from_now());
+StopRule StopRule::of(double seconds, std::int64_t iterations) {
+  return StopRule(seconds, iterations, steady_clock_from_now());
 }
 
 StopRule::StopRule(double seconds, std::int64_t iterations, Clock clock)
@@ -42,12 +42,9 @@ double StopRule::progress(std::int64_t iterations) const {
 }
 
 StopRule StopRule::part(double share) const {
-  const auto iterations = static_cast<std::int64_t>(std::ceil(share * static_cast<double>(iterations_)));
+  const auto iterations =
+      static_cast<std::int64_t>(std::ceil(share * static_cast<double>(iterations_)));
   return StopRule(share * seconds_, iterations, clock_);
-}
-
-double StopRule::seconds_left() const {
-  return seconds_ > 0.0 ? std::max(0.0, seconds_ - clock_()) : 1e300;
 }
 
 }  // namespace imslam::routing

@@ -12,11 +12,10 @@ class StopRule {
  public:
   using Clock = std::function<double()>;  ///< seconds since the start
 
-  /// No time limit.
   static StopRule after_iterations(std::int64_t iterations);
-  /// From now on, by the steady clock of the computer.
-  static StopRule after_seconds(double seconds);
-  /// Whatever is first; 0: no such limit. Without a clock there is no time limit.
+  /// From now on by the steady clock of the computer; whatever is first; 0: no such limit.
+  static StopRule of(double seconds, std::int64_t iterations);
+  /// The same by another clock.
   StopRule(double seconds, std::int64_t iterations, Clock clock);
 
   /// How far a search has come: 0 at the start, 1 or more at the end.
@@ -24,9 +23,6 @@ class StopRule {
 
   /// The part up to `share` of it; e.g. 0.9 to leave time for a polish.
   StopRule part(double share) const;
-
-  bool timed() const { return seconds_ > 0.0; }
-  double seconds_left() const;  ///< 1e300 without a time limit
 
  private:
   double seconds_;

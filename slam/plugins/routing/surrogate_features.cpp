@@ -75,8 +75,9 @@ SurrogateFeatures surrogate_features(const Instance& instance, const Matrix& pro
       const double off = std::hypot(positions(i, 0) - e.centre.x, positions(i, 1) - e.centre.y);
       const double p = probabilities(i, j);
       entropy -= p * std::log(std::max(p, 1e-12)) / static_cast<double>(cities);
-      const double values[kPair] = {p,        off, e.spread, e.load * double(agents) / double(cities),
-                                    away, e.tour, e.tour - longest};
+      const double values[kPair] = {
+          p,    off,    e.spread,        e.load * double(agents) / double(cities),
+          away, e.tour, e.tour - longest};
       for (int k = 0; k < kPair; ++k) {
         features.pairs[(i * agents + j) * kPair + k] = static_cast<float>(values[k]);
       }

@@ -22,9 +22,7 @@ class TourArray {
   int next(int place) const { return at(position(place) + 1); }
   int previous(int place) const { return at(position(place) - 1); }
   /// Whether b comes before c (or is it) on the way on from a.
-  bool between(int a, int b, int c) const {
-    return steps(a, b) <= steps(a, c);
-  }
+  bool between(int a, int b, int c) const { return steps(a, b) <= steps(a, c); }
   int steps(int from, int to) const { return wrapped(position(to) - position(from)); }
 
   /// a, b and c, d are neighbours, b after a and d after c, or both before: the tour may have been

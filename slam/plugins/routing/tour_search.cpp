@@ -6,9 +6,9 @@
 namespace imslam::routing {
 namespace {
 
-constexpr double kLeastGain = 1e-7;   ///< more than what rounding could take back and forth
-constexpr int kLongestSegment = 3;    ///< of Or-opt
-constexpr int kLongestKick = 30;      ///< places in each segment of the double bridge
+constexpr double kLeastGain = 1e-7;  ///< more than what rounding could take back and forth
+constexpr int kLongestSegment = 3;   ///< of Or-opt
+constexpr int kLongestKick = 30;     ///< places in each segment of the double bridge
 constexpr int kBetweenClockLooks = 16;
 
 }  // namespace
@@ -23,7 +23,8 @@ TourSearch::TourSearch(const Distances& distances,
 
 double TourSearch::length() const {
   double length = 0.0;
-  for (int p = 0; p < tour_.count(); ++p) length += distances_(tour_.at(p), tour_.next(tour_.at(p)));
+  for (int p = 0; p < tour_.count(); ++p)
+    length += distances_(tour_.at(p), tour_.next(tour_.at(p)));
   return length;
 }
 

@@ -10,8 +10,8 @@
 namespace imslam::routing {
 namespace {
 
-constexpr int kNear = 10;         ///< places that each is held against
-constexpr int kNearestUpTo = 200; ///< cities: more by the curve, if there are coordinates
+constexpr int kNear = 10;          ///< places that each is held against
+constexpr int kNearestUpTo = 200;  ///< cities: more by the curve, if there are coordinates
 
 std::vector<std::int32_t> nearest_first_tour(const Distances& distances) {
   const int n = distances.count();
@@ -58,21 +58,40 @@ std::vector<std::int32_t> first_tour(const Distances& distances) {
   return by_curve ? curve_tour(distances) : nearest_first_tour(distances);
 }
 
+namespace {
+
+/// Sets the search up, has it descend from `start` and then `go_on`.
+template <typename Start, typename GoOn>
+std::vector<int> searched(const Instance& instance,
+                          bool symmetric,
+                          const std::vector<int>& cities,
+                          const Start& start,
+                          const GoOn& go_on) {
+  if (cities.size() < 4 && (symmetric || cities.size() < 3)) return cities;
+  const Distances distances(instance, cities, symmetric);
+  const Neighbours near(distances, kNear);
+  TourSearch search(distances, near, start(distances));
+  search.descend();
+  go_on(search);
+  return cities_from_first(distances, search.order());
+}
+
+/// The kicks of a tour depend on its size only, so that equal cities give equal tours.
+void kick(TourSearch& search, std::size_t cities, double kicks) {
+  const auto count = static_cast<std::int64_t>(kicks * static_cast<double>(cities));
+  if (count <= 0) return;
+  Random random(cities);
+  search.disturb(StopRule::after_iterations(count), random);
+}
+
+}  // namespace
+
 std::vector<int> solve_tour(const Instance& instance,
                             bool symmetric,
                             const std::vector<int>& cities,
                             const TourSolverOptions& options) {
-  if (cities.size() < 4 && (symmetric || cities.size() < 3)) return cities;
-  const Distances distances(instance, cities, symmetric);
-  const Neighbours near(distances, kNear);
-  TourSearch search(distances, near, first_tour(distances));
-  search.descend();
-  const auto kicks = static_cast<std::int64_t>(options.kicks * static_cast<double>(cities.size()));
-  if (kicks > 0) {
-    Random random(cities.size());
-    search.disturb(StopRule::after_iterations(kicks), random);
-  }
-  return cities_from_first(distances, search.order());
+  return searched(instance, symmetric, cities, first_tour,
+                  [&](TourSearch& search) { kick(search, cities.size(), options.kicks); });
 }
 
 std::vector<int> solve_tour(const Instance& instance,
@@ -80,13 +99,21 @@ std::vector<int> solve_tour(const Instance& instance,
                             const std::vector<int>& cities,
                             const StopRule& stop,
                             Random& random) {
-  if (cities.size() < 4 && (symmetric || cities.size() < 3)) return cities;
-  const Distances distances(instance, cities, symmetric);
-  const Neighbours near(distances, kNear);
-  TourSearch search(distances, near, first_tour(distances));
-  search.descend();
-  search.disturb(stop, random);
-  return cities_from_first(distances, search.order());
+  return searched(instance, symmetric, cities, first_tour,
+                  [&](TourSearch& search) { search.disturb(stop, random); });
+}
+
+std::vector<int> polish_tour(const Instance& instance,
+                             bool symmetric,
+                             const std::vector<int>& tour,
+                             double kicks) {
+  const auto as_it_is = [](const Distances& distances) {
+    std::vector<std::int32_t> order(static_cast<std::size_t>(distances.count()));
+    std::iota(order.begin(), order.end(), 0);
+    return order;
+  };
+  return searched(instance, symmetric, tour, as_it_is,
+                  [&](TourSearch& search) { kick(search, tour.size(), kicks); });
 }
 
 double tour_length(const Instance& instance, const std::vector<int>& cities) {

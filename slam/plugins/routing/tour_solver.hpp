@@ -33,6 +33,12 @@ std::vector<int> solve_tour(const Instance& instance,
                             const StopRule& stop,
                             Random& random);
 
+/// The same from the tour as it is, by `kicks` per city after the descent.
+std::vector<int> polish_tour(const Instance& instance,
+                             bool symmetric,
+                             const std::vector<int>& tour,
+                             double kicks = 0.0);
+
 /// What searches start from.
 std::vector<std::int32_t> first_tour(const Distances& distances);
 

@@ -29,9 +29,7 @@ TEST(TourArray, GoesBackThroughAnyChanges) {
   std::vector<std::int32_t> order(20);
   std::iota(order.begin(), order.end(), 0);
   TourArray tour(order);
-  const auto pick = [&](int low, int high) {
-    return static_cast<int>(random.integer(low, high));
-  };
+  const auto pick = [&](int low, int high) { return static_cast<int>(random.integer(low, high)); };
   for (int repeat = 0; repeat < 200; ++repeat) {
     for (int change = 0; change < 5; ++change) {
       const int start = pick(0, 19), left = pick(1, 9), right = pick(1, 9);
@@ -62,7 +60,8 @@ TEST(TourSolver, FindsTheShortestTourOfFewCities) {
       const std::vector<int> tour = solve_tour(instance, true, all_cities(instance), {50.0});
       expect_permutation(tour, all_cities(instance));
       EXPECT_EQ(tour.front(), 0);
-      EXPECT_NEAR(tour_length(instance, tour), testing::held_karp(instance, all_cities(instance)), 1e-5)
+      EXPECT_NEAR(tour_length(instance, tour), testing::held_karp(instance, all_cities(instance)),
+                  1e-5)
           << cities << " cities, seed " << seed;
     }
   }
