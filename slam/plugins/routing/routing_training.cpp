@@ -102,7 +102,8 @@ std::unique_ptr<learner::GradientStrategy> RoutingTraining::make_estimator(
     const std::string& estimator, std::size_t slot) {
   if (estimator == "control_variate") {
     return std::make_unique<learner::ControlVariate>(
-        problems_[slot], *surrogates_[slot], learner::ControlVariate::Options{options_.samples});
+        problems_[slot], *surrogates_[slot],
+        learner::ControlVariate::Options{options_.samples, options_.samples > 1});
   }
   const bool baseline = estimator == "sample_baseline";
   return std::make_unique<learner::LogDerivative>(

@@ -14,7 +14,8 @@ namespace imslam::routing {
 /// How the gradient goes through the solver; see learner/sampled_problem.hpp.
 ///   constant_baseline   REINFORCE, `constant` taken off each cost
 ///   sample_baseline     REINFORCE, less the mean cost of the other draws (Hu et al. 2020)
-///   control_variate     less what the surrogate explains, which is put back without noise (iMTSP)
+///   control_variate     less what the surrogate explains, which is put back without noise (iMTSP);
+///                       with two draws or more, what is left is held against the other draws too
 struct RoutingTrainingOptions : learner::TrainingOptions {
   int agents = 10;
   int cities = 100;  ///< the depot included
