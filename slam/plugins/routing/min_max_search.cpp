@@ -64,10 +64,12 @@ int MinMaxSearch::best_place(int city, bool blink) {
     least = cost;
     best = node;
   };
+  // Drawn once per city: draws would take longer than looking.
+  const bool blinks = blink && random_.chance(options_.blink * near_->count());
+  int overlooked = blinks ? static_cast<int>(random_.integer(0, near_->count() - 1)) : -1;
   for (const int other : near_->of(city)) {
     const int tour = fleet_.tour_of(other);
-    if (tour < 0) continue;  // the depot is in none
-    if (blink && random_.chance(options_.blink)) continue;
+    if (overlooked-- == 0 || tour < 0) continue;  // the depot is in none
     consider(other, tour);
     consider(fleet_.previous(other), tour);
   }

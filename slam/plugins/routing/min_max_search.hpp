@@ -13,9 +13,9 @@ struct MinMaxOptions {
   double removed = 10.0;    ///< cities per ruin, on average about half of it
   int longest_string = 10;  ///< neighbours on a tour that are taken out together
   double attack = 0.5;      ///< share of ruins that start on the longest tour
-  double blink = 0.01;      ///< chance that a place is overlooked
-  double heat = 0.3;        ///< first temperature, in mean edges per agent
-  double cold = 0.003;      ///< last temperature
+  double blink = 0.01;      ///< chance that a near city is overlooked, of each
+  double heat = 10.0;       ///< first temperature, in mean edges per agent
+  double cold = 0.03;       ///< last temperature
 };
 
 /// Shortens the longest tour: ruin and recreate under simulated annealing.

@@ -16,7 +16,7 @@ namespace {
 
 using Tours = std::vector<std::vector<int>>;
 
-constexpr int kNear = 30;              ///< cities that each may be put next to
+constexpr int kNear = 16;              ///< cities that each may be put next to
 constexpr double kSearchShare = 0.97;  ///< of the time; the rest is for the last polish
 
 std::vector<int> without_depot(std::vector<int> tour) {
