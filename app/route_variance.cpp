@@ -57,6 +57,10 @@ void add_route_variance(CLI::App& parent, Action& action, const CommonOptions& c
       ->capture_default_str();
   command->add_option("--every", arguments->options.every, "Steps between looks")
       ->capture_default_str();
+  command
+      ->add_option("--surrogate-rate", arguments->options.surrogate_rate,
+                   "Learning rate of the surrogate")
+      ->capture_default_str();
   command->add_option("--out", arguments->out, "Folder for variance.csv and variance.svg");
   command->callback([&action, arguments, &common] {
     action = [arguments, &common] { return study(*arguments, common.quiet); };

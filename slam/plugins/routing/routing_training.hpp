@@ -20,9 +20,9 @@ struct RoutingTrainingOptions : learner::TrainingOptions {
   int agents = 10;
   int cities = 100;  ///< the depot included
   std::string estimator = "control_variate";
-  int samples = 1;                ///< allocations drawn per instance; sample_baseline: 2 or more
-  double constant = 2.0;          ///< of constant_baseline
-  double surrogate_rate = 0.003;  ///< learning rate of the surrogate
+  int samples = 8;                 ///< allocations drawn per instance; sample_baseline: 2 or more
+  double constant = 2.0;           ///< of constant_baseline
+  double surrogate_rate = 0.0003;  ///< learning rate of the surrogate
 
   RoutingTrainingOptions();
   void describe(Config& config);

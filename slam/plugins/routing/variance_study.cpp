@@ -36,6 +36,7 @@ std::vector<VarianceRow> variance_study(const VarianceStudyOptions& options,
   training_options.samples = options.samples;
   training_options.steps = options.steps;
   training_options.batch = kMiniBatch;
+  training_options.surrogate_rate = options.surrogate_rate;
   training_options.warm_up = std::min(training_options.warm_up, options.steps);
   RoutingTraining training(training_options);
   std::vector<VarianceRow> rows;

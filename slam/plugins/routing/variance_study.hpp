@@ -13,6 +13,7 @@ struct VarianceStudyOptions {
   int samples = 2;  ///< draws per instance, of every estimator
   int steps = 200;  ///< of the training, by the control variate
   int every = 20;   ///< steps between looks
+  double surrogate_rate = 0.0003;
 };
 
 /// At one step: the variance of a mini-batch's gradient, over 16 mini-batches of 32 instances each,
