@@ -26,6 +26,56 @@ constexpr Curve kCurves[] = {
     {"log derivative, S-sample baseline", "#36c", &VarianceRow::sample_baseline},
     {"control variate", "#282", &VarianceRow::control_variate}};
 
+/// Steps to the right, the logarithm of the variance upwards in whole decades.
+class Chart {
+ public:
+  Chart(const VarianceStudyOptions& options, const std::vector<VarianceRow>& rows)
+      : steps_(std::max(options.steps, 1)) {
+    double low = 1e300;
+    double high = kLeast;
+    for (const VarianceRow& row : rows) {
+      for (const Curve& curve : kCurves) {
+        low = std::min(low, std::max(row.*curve.value, kLeast));
+        high = std::max(high, row.*curve.value);
+      }
+    }
+    first_ = std::floor(std::log10(low));
+    decades_ = std::max(1.0, std::ceil(std::log10(high)) - first_);
+  }
+
+  std::string grid() const {
+    std::string svg;
+    for (int k = 0; k <= static_cast<int>(decades_); ++k) {
+      const double y = y_of(std::pow(10.0, first_ + k));
+      svg += fmt::format(
+          "<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#ccc\"/><text x=\"8\" "
+          "y=\"{:.1f}\">1e{}</text>\n",
+          kMargin, kWidth - kMargin, y, y, y + 4.0, static_cast<int>(first_) + k);
+    }
+    return svg;
+  }
+
+  std::string line(const std::vector<VarianceRow>& rows, const Curve& curve) const {
+    std::string points;
+    for (const VarianceRow& row : rows) {
+      const double x = kMargin + (kWidth - 2.0 * kMargin) * row.step / steps_;
+      points += fmt::format("{:.1f},{:.1f} ", x, y_of(row.*curve.value));
+    }
+    return points;
+  }
+
+ private:
+  static constexpr double kLeast = 1e-12;
+  double y_of(double variance) const {
+    const double share = (std::log10(std::max(variance, kLeast)) - first_) / decades_;
+    return kHeight - kMargin - (kHeight - 2.0 * kMargin) * share;
+  }
+
+  int steps_;
+  double first_ = 0.0;
+  double decades_ = 1.0;
+};
+
 }  // namespace
 
 std::vector<VarianceRow> variance_study(const VarianceStudyOptions& options,
@@ -66,23 +116,7 @@ std::string variance_csv(const std::vector<VarianceRow>& rows) {
 
 std::string variance_svg(const VarianceStudyOptions& options,
                          const std::vector<VarianceRow>& rows) {
-  double low = 1e300;
-  double high = 1e-300;
-  for (const VarianceRow& row : rows) {
-    for (const Curve& curve : kCurves) {
-      low = std::min(low, std::max(row.*curve.value, 1e-12));
-      high = std::max(high, row.*curve.value);
-    }
-  }
-  const double first = std::floor(std::log10(low));
-  const double decades = std::max(1.0, std::ceil(std::log10(high)) - first);
-  const auto x_of = [&](int step) {
-    return kMargin + (kWidth - 2.0 * kMargin) * step / std::max(options.steps, 1);
-  };
-  const auto y_of = [&](double variance) {
-    const double share = (std::log10(std::max(variance, 1e-12)) - first) / decades;
-    return kHeight - kMargin - (kHeight - 2.0 * kMargin) * share;
-  };
+  const Chart chart(options, rows);
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"sans-serif\" "
@@ -91,23 +125,13 @@ std::string variance_svg(const VarianceStudyOptions& options,
       "instance</text>\n<text x=\"{6}\" y=\"{7}\">training steps (0 to {8})</text>\n",
       kWidth, kHeight, kMargin, options.agents, options.cities, options.samples,
       kWidth / 2.0 - 60.0, kHeight - 20.0, options.steps);
-  for (int k = 0; k <= static_cast<int>(decades); ++k) {
-    const double y = y_of(std::pow(10.0, first + k));
-    svg += fmt::format(
-        "<line x1=\"{}\" x2=\"{}\" y1=\"{:.1f}\" y2=\"{:.1f}\" stroke=\"#ccc\"/><text x=\"8\" "
-        "y=\"{:.1f}\">1e{}</text>\n",
-        kMargin, kWidth - kMargin, y, y, y + 4.0, static_cast<int>(first) + k);
-  }
+  svg += chart.grid();
   double legend = 44.0;
   for (const Curve& curve : kCurves) {
-    std::string line;
-    for (const VarianceRow& row : rows) {
-      line += fmt::format("{:.1f},{:.1f} ", x_of(row.step), y_of(row.*curve.value));
-    }
     svg += fmt::format(
         "<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2\"/>"
         "<text x=\"{}\" y=\"{}\" fill=\"{}\">{}</text>\n",
-        line, curve.colour, kWidth - 290.0, legend, curve.colour, curve.name);
+        chart.line(rows, curve), curve.colour, kWidth - 290.0, legend, curve.colour, curve.name);
     legend += 16.0;
   }
   return svg + "</svg>\n";

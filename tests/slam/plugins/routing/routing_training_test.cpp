@@ -61,6 +61,11 @@ TEST(RoutingTraining, ItsWeightsCanBeLoadedForAsManyAgentsOnly) {
   EXPECT_THROW(load_network(77, ""), InputError);  // none is shipped
 }
 
+TEST(ShippedWeights, AreThereForFiveTenAndFifteenAgents) {
+  EXPECT_EQ(shipped_agents(), (std::vector<int>{5, 10, 15}));
+  for (const int agents : shipped_agents()) EXPECT_EQ(load_network(agents, "")->agents, agents);
+}
+
 TEST(RoutingTraining, RefusesOptionsThatMakeNoSense) {
   RoutingTrainingOptions options = small("sample_baseline");
   options.samples = 1;
