@@ -217,7 +217,9 @@ void MinMaxSearch::adopt(double sum) {
 
 void MinMaxSearch::run(const StopRule& stop) {
   if (fleet_.cities() < 3) return;
-  const double edge = fleet_.length(fleet_.longest()) / std::max(fleet_.cities(), 1);  // per agent
+  double total = 0.0;  // not the longest alone, which a bad start may have made very long
+  for (const double length : fleet_.lengths()) total += length;
+  const double edge = total / fleet_.cities() / fleet_.agents();
   double temperature = options_.heat * edge;
   for (std::int64_t i = 0;; ++i) {
     if (i % kBetweenClockLooks == 0) {
