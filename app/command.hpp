@@ -32,6 +32,7 @@ void add_config_command(CLI::App& app, Action& action);
 void add_finetune_command(CLI::App& app, Action& action, const CommonOptions& common);
 void add_imu_command(CLI::App& app, Action& action);
 void add_model_command(CLI::App& app, Action& action);
+void add_route_command(CLI::App& app, Action& action, const CommonOptions& common);
 void add_train_command(CLI::App& app, Action& action, const CommonOptions& common);
 
 }  // namespace imslam::app

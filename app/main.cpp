@@ -24,6 +24,7 @@ constexpr const char* kFooter =
     "  imslam run sequences/00 --frames 0:500 --set pgo.huber=1.0\n"
     "  imslam eval truth.tum runs/latest/trajectory.tum\n"
     "  imslam check my_recording --json\n"
+    "  imslam route solve --random 500 --agents 10 --out runs/route\n"
     "\n"
     "Exit codes: 0 ok, 1 internal error, 2 usage or configuration, 3 input data, 4 calibration,\n"
     "  5 model file, 6 output, 7 tracking lost (partial results written), 8 evaluation "
@@ -82,6 +83,7 @@ int execute(int argc, char** argv) {
   add_imu_command(app, action);
   add_model_command(app, action);
   add_train_command(app, action, common);
+  add_route_command(app, action, common);
 
   try {
     app.parse(argc, argv);

@@ -22,7 +22,7 @@ void LogDerivative::differentiate(const Vector& z, const Random& random, UpperGr
   for (const Contribution& sample : samples) sum += sample.cost;
   for (Contribution& sample : samples) {
     const double others = (sum - sample.cost) / static_cast<double>(samples.size() - 1);
-    sample.gradient *= sample.cost - (baseline ? others : 0.0);
+    sample.gradient *= sample.cost - (baseline ? others : options_.constant);
   }
   take_mean(samples, options_.samples, result);
 }

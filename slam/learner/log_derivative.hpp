@@ -10,12 +10,13 @@ namespace imslam::learner {
 ///   dU/dz = E[ (L(x) - b) d log p(x|z)/dz ]
 ///
 /// Unbiased, with much variance. The baseline b of a draw is the mean cost of the other draws, on
-/// which it does not depend, so it biases nothing (Kool, van Hoof, Welling 2019); or 0.
+/// which it does not depend, so it biases nothing (Kool, van Hoof, Welling 2019); or a constant.
 class LogDerivative : public GradientStrategy {
  public:
   struct Options {
-    int samples = 16;      ///< draws per gradient
-    bool baseline = true;  ///< needs two draws
+    int samples = 16;       ///< draws per gradient
+    bool baseline = true;   ///< of the other draws: needs two
+    double constant = 0.0;  ///< baseline without others
   };
   LogDerivative(Task& task, const Options& options);
 

@@ -50,6 +50,7 @@ double NetworkTraining::step() {
     optimizer_.step(parameters_, gradients_, record_.rate);
     average_.update(parameters_);
   }
+  finish_step();
   ++step_;
   return loss;
 }

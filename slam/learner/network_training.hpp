@@ -90,6 +90,8 @@ class NetworkTraining {
   virtual void prepare_step() {}
   /// The loss of one sample of the present step; called from several threads at once.
   virtual nn::Var sample_loss(nn::Tape<float>& tape, std::size_t slot) = 0;
+  /// After each step, on the calling thread: e.g. a surrogate learns from the batch.
+  virtual void finish_step() {}
   /// Of the batch that has just run.
   virtual BatchTally tally() const { return {}; }
 

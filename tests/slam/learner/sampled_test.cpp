@@ -105,6 +105,26 @@ TEST(ControlVariate, TheLessonIsTheSlopeOfTheMeanSquareOfTheGradient) {
       imslam::testing::numeric_jacobian(mean_square, surrogate.gamma, 1e-4), 1e-8);
 }
 
+TEST(ControlVariate, WithABaselineItIsUnbiasedAndItsLessonIsStillTheSlope) {
+  CoinTask task;
+  LinearSurrogate surrogate;
+  surrogate.gamma << 3.0, 0.5, -0.2, 0.8, 0.1, -0.6;
+  const UpperGradient based = many(ControlVariate(task, surrogate, {kMany, true}), kCoinZ);
+  expect_unbiased(based, true_coin_gradient(), "control variate with baseline");
+  const auto mean_square = [&](const Eigen::VectorXd& gamma) -> Eigen::VectorXd {
+    LinearSurrogate probe;
+    probe.gamma = gamma;
+    const UpperGradient upper = many(ControlVariate(task, probe, {50, true}), kCoinZ);
+    return Vector::Constant(1, upper.variance * 49.0 / 50.0 + upper.gradient.squaredNorm());
+  };
+  ControlVariate strategy(task, surrogate, {50, true});
+  strategy(kCoinZ, Random(3));
+  strategy.teach(surrogate);
+  imslam::testing::expect_near(
+      surrogate.gradient.transpose(),
+      imslam::testing::numeric_jacobian(mean_square, surrogate.gamma, 1e-4), 1e-8);
+}
+
 TEST(Reparameterised, IsUnbiasedWithLessVarianceThanTheLogDerivative) {
   GaussianTask task;
   const Vector truth = task.expected_slope(kGaussianZ);

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "slam/plugins/routing/allocation_network.hpp"
+#include "slam/plugins/routing/solution.hpp"
+#include "slam/plugins/routing/stop_rule.hpp"
+
+namespace imslam::routing {
+
+/// How tours are found.
+enum class Method {
+  kInsertion,      ///< each city where it lengthens the longest tours least, farthest first
+  kNetwork,        ///< the network shares out, one tour search per agent: the paper's way
+  kSearch,         ///< insertion, then MinMaxSearch until the end
+  kNetworkSearch,  ///< the network's best, then MinMaxSearch until the end
+};
+const std::vector<std::string>& method_names();  ///< "insertion", ... in this order
+
+struct SolveOptions {
+  int agents = 1;
+  Method method = Method::kSearch;
+  double time_s = 1.0;          ///< of the searches; 0: no limit but iterations
+  std::int64_t iterations = 0;  ///< of the searches; the same tours each time; 0: no limit
+  int seed = 1;
+  int draws = 16;  ///< allocations drawn from the network besides the likeliest; the best counts
+
+  void validate() const;  ///< Throws InputError(kUsage) naming key, value and bound.
+};
+
+/// Searches end `time_s` after the call (or earlier), the others when they are done. One agent is a
+/// plain travelling salesman, whatever the method. Throws InputError(kUsage) on bad options and
+/// where the network is asked about cities without coordinates, or for another number of agents.
+Solution solve(const Instance& instance,
+               const SolveOptions& options,
+               const AllocationNetwork<float>* network);
+
+}  // namespace imslam::routing
