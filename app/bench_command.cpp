@@ -35,8 +35,10 @@ constexpr const char* kExamples =
     "  mpirun -n 8 imslam bench suite_kitti --root /data/kitti on several machines\n"
     "  imslam bench my_suite.yaml --variants vo,vision,graph --front-end learned\n"
     "Rows (--variants): vo = odometry alone, IMU off; vision = graph without IMU; graph = graph "
-    "with IMU;\nonline_vo, online = networks that learn on the way; adapted_vo, adapted = networks that "
-    "learned on the\nsequence before the run (learned front end and IMU; odometry and graph of that run).\n"
+    "with IMU;\nonline_vo, online = networks that learn on the way; adapted_vo, adapted = networks "
+    "that "
+    "learned on the\nsequence before the run (learned front end and IMU; odometry and graph of "
+    "that run).\n"
     "A second call uses the runs that are there, if they are of the same program, options and "
     "data.\n"
     "Without --root the environment's IMSLAM_SUITE_ROOT counts, then the file's root.";
@@ -148,8 +150,9 @@ void add_bench_command(CLI::App& app, Action& action, const CommonOptions& commo
       ->required();
   command->add_option("--root", arguments->root, "Folder that holds the sequences");
   command->add_option("--out", arguments->out, "Runs and tables (default: runs/bench_<name>)");
-  command->add_option("--variants", arguments->variants,
-                      "Rows: vo, vision, graph, online_vo, online, adapted_vo, adapted")
+  command
+      ->add_option("--variants", arguments->variants,
+                   "Rows: vo, vision, graph, online_vo, online, adapted_vo, adapted")
       ->capture_default_str();
   command
       ->add_option("--weights-vo", arguments->weights_vo,

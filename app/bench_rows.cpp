@@ -95,8 +95,7 @@ using Prepare = decltype(system::SuiteRunSetup::prepare);
 Prepare learn_online(const adaptation::AdaptationOptions& adaptation) {
   return [adaptation](datasets::Sequence& sequence, system::SlamOptions& options,
                       system::RunRequest& request) {
-    auto adapter =
-        std::make_shared<adaptation::OnlineAdapter>(options, adaptation, sequence);
+    auto adapter = std::make_shared<adaptation::OnlineAdapter>(options, adaptation, sequence);
     adapter->attach(request);
     return std::shared_ptr<void>(adapter);
   };
