@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pgo/edge_linearization.hpp"
 #include "pgo/graph_problem.hpp"
 #include "pgo/whitening.hpp"
 
@@ -75,34 +76,6 @@ Foretold<kSize> foretold(const Eigen::Matrix<double, kSize, 1>& r,
   return result;
 }
 
-RelativePoseFactor::Linearization at_solution(const GraphData& data,
-                                              const VisualEdge& edge,
-                                              const RelativeMotion& motion,
-                                              const Eigen::Matrix<double, 6, 6>& W) {
-  return RelativePoseFactor(motion, W).linearize(
-      data.states[static_cast<std::size_t>(edge.from)].nav.T_world_body,
-      data.states[static_cast<std::size_t>(edge.to)].nav.T_world_body,
-      data.globals.disparity_offset, data.globals.focal_error);
-}
-
-ImuFactor::Linearization at_solution(const PoseVelocityGraph& graph,
-                                     const InertialEdge& edge,
-                                     const ImuMotion& motion,
-                                     const Eigen::Matrix<double, 9, 9>& W) {
-  const GraphData& data = graph.data();
-  const State& from = data.states[static_cast<std::size_t>(edge.from)];
-  const State& to = data.states[static_cast<std::size_t>(edge.to)];
-  ImuFactor::Point point{from.nav.T_world_body,
-                         from.nav.v_world,
-                         to.nav.T_world_body,
-                         to.nav.v_world,
-                         {},
-                         data.globals.gravity_direction,
-                         data.globals.time_offset_s};
-  point.bias << from.bias.gyro, from.bias.accel;
-  return ImuFactor(motion, W, graph.options().gravity_magnitude).linearize(point);
-}
-
 Kernel robust(double square) {
   const double limit = kRobust * 9.0;
   if (square <= limit) return {square, 1.0};
@@ -121,7 +94,7 @@ Foretold<6> foretold_visual(const PoseVelocityGraph& graph,
                             const ResidualPosterior& posterior,
                             std::size_t edge) {
   const VisualEdge& e = graph.visual_edges().at(edge);
-  const auto at = at_solution(graph.data(), e, e.motion, e.sqrt_information);
+  const auto at = linearize(e, graph.data());
   const auto loss = make_loss(graph.options());
   const double weight = kernel_at(loss.get(), at.residual.squaredNorm()).slope;
   return foretold<6>(at.residual, e.sqrt_information, posterior.visual.at(edge),
@@ -132,7 +105,7 @@ Foretold<9> foretold_inertial(const PoseVelocityGraph& graph,
                               const ResidualPosterior& posterior,
                               std::size_t edge) {
   const InertialEdge& e = graph.inertial_edges().at(edge);
-  const auto at = at_solution(graph, e, e.motion, e.sqrt_information);
+  const auto at = linearize(e, graph.data(), graph.options().gravity_magnitude);
   return foretold<9>(at.residual, e.sqrt_information, posterior.inertial.at(edge), 1.0);
 }
 
@@ -142,7 +115,8 @@ EdgeLikelihood<6> visual_likelihood(const PoseVelocityGraph& graph,
                                     const Foretold<6>& others) {
   const auto W = sqrt_information(motion.covariance);
   if (!W) return nothing<6>();
-  const auto at = at_solution(graph.data(), graph.visual_edges().at(edge), motion, *W);
+  const VisualEdge& held = graph.visual_edges().at(edge);
+  const auto at = linearize(VisualEdge{held.from, held.to, motion, *W}, graph.data());
   const auto loss = make_loss(graph.options());
   return likelihood<6>(at.residual, at.J_measurement, *W, others,
                        [&](double square) { return kernel_at(loss.get(), square); });
@@ -154,7 +128,9 @@ EdgeLikelihood<9> inertial_likelihood(const PoseVelocityGraph& graph,
                                       const Foretold<9>& others) {
   const auto W = sqrt_information(motion.covariance);
   if (!W) return nothing<9>();
-  const auto at = at_solution(graph, graph.inertial_edges().at(edge), motion, *W);
+  const InertialEdge& held = graph.inertial_edges().at(edge);
+  const auto at = linearize(InertialEdge{held.from, held.to, motion, *W}, graph.data(),
+                            graph.options().gravity_magnitude);
   return likelihood<9>(at.residual, at.J_measurement, *W, others, robust);
 }
 

@@ -2,6 +2,7 @@
 
 #include <numeric>
 
+#include "pgo/edge_linearization.hpp"
 #include "pgo/graph_problem.hpp"
 #include "slam/base/parallel.hpp"
 
@@ -35,33 +36,6 @@ Kernel kernel_at(const ceres::LossFunction* loss, double s) {
   return {rho[0], rho[1]};
 }
 
-const State& state_at(const GraphData& data, int state) {
-  return data.states[static_cast<std::size_t>(state)];
-}
-
-RelativePoseFactor::Linearization linearize(const VisualEdge& edge, const GraphData& data) {
-  return RelativePoseFactor(edge.motion, edge.sqrt_information)
-      .linearize(state_at(data, edge.from).nav.T_world_body,
-                 state_at(data, edge.to).nav.T_world_body, data.globals.disparity_offset,
-                 data.globals.focal_error);
-}
-
-ImuFactor::Linearization linearize(const InertialEdge& edge,
-                                   const GraphData& data,
-                                   double gravity_magnitude) {
-  const State& from = state_at(data, edge.from);
-  const State& to = state_at(data, edge.to);
-  ImuFactor::Point point{from.nav.T_world_body,
-                         from.nav.v_world,
-                         to.nav.T_world_body,
-                         to.nav.v_world,
-                         {},
-                         data.globals.gravity_direction,
-                         data.globals.time_offset_s};
-  point.bias << from.bias.gyro, from.bias.accel;
-  return ImuFactor(edge.motion, edge.sqrt_information, gravity_magnitude).linearize(point);
-}
-
 /// Residual and sigmas of a prior on [gyro accel].
 struct WhitenedBias {
   Eigen::Matrix<double, 6, 1> residual;
@@ -69,7 +43,7 @@ struct WhitenedBias {
 };
 
 WhitenedBias whitened(const BiasPrior& prior, const GraphData& data) {
-  const ImuBias& bias = state_at(data, prior.state).bias;
+  const ImuBias& bias = data.states[static_cast<std::size_t>(prior.state)].bias;
   WhitenedBias result;
   result.sigma << prior.sigma.gyro, prior.sigma.accel;
   result.residual << bias.gyro - prior.bias.gyro, bias.accel - prior.bias.accel;

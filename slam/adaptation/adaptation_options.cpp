@@ -3,21 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "slam/base/error.hpp"
+#include "vo_net/options_check.hpp"
 
 namespace imslam::adaptation {
-namespace {
-
-template <typename T>
-void require(bool holds, const char* key, T value, const char* bound) {
-  if (holds) return;
-  throw InputError(
-      "finetune." + std::string(key) + ": expected " + bound + ", got " + std::to_string(value),
-      ExitCode::kUsage);
-}
-
-}  // namespace
-
 AdaptationOptions::AdaptationOptions() {
   rate = 3e-4;
   warm_up = 4;
@@ -56,20 +44,21 @@ void AdaptationOptions::describe(Config& config) {
 }
 
 void AdaptationOptions::validate() const {
-  require(epochs >= 1, "epochs", epochs, "1 or more");
-  require(steps_per_epoch >= 1, "steps_per_epoch", steps_per_epoch, "1 or more");
-  require(edges >= 1 && edges <= 4096, "edges", edges, "1 .. 4096");
-  require(held_out > 0.0 && held_out <= 0.5, "held_out", held_out, "above 0, at most 0.5");
-  require(stretch >= 2, "stretch", stretch, "2 or more");
-  require(graph_weight >= 0.0, "graph_weight", graph_weight, ">= 0");
-  require(match_weight >= 0.0, "match_weight", match_weight, ">= 0");
-  require(imu_weight >= 0.0, "imu_weight", imu_weight, ">= 0");
-  require(imu_rate > 0.0, "imu_rate", imu_rate, "> 0");
-  require(noise_rate > 0.0, "noise_rate", noise_rate, "> 0");
-  require(imu_crop_s >= 5.0, "imu_crop_s", imu_crop_s, "5 or more");
-  require(online_every >= 1, "online_every", online_every, "1 or more");
-  require(online_rate > 0.0, "online_rate", online_rate, "> 0");
-  require(online_memory_s >= 5.0, "online_memory_s", online_memory_s, "5 or more");
+  vo::require(epochs >= 1, "finetune.epochs", epochs, "1 or more");
+  vo::require(steps_per_epoch >= 1, "finetune.steps_per_epoch", steps_per_epoch, "1 or more");
+  vo::require(edges >= 1 && edges <= 4096, "finetune.edges", edges, "1 .. 4096");
+  vo::require(held_out > 0.0 && held_out <= 0.5, "finetune.held_out", held_out,
+              "above 0, at most 0.5");
+  vo::require(stretch >= 2, "finetune.stretch", stretch, "2 or more");
+  vo::require(graph_weight >= 0.0, "finetune.graph_weight", graph_weight, ">= 0");
+  vo::require(match_weight >= 0.0, "finetune.match_weight", match_weight, ">= 0");
+  vo::require(imu_weight >= 0.0, "finetune.imu_weight", imu_weight, ">= 0");
+  vo::require(imu_rate > 0.0, "finetune.imu_rate", imu_rate, "> 0");
+  vo::require(noise_rate > 0.0, "finetune.noise_rate", noise_rate, "> 0");
+  vo::require(imu_crop_s >= 5.0, "finetune.imu_crop_s", imu_crop_s, "5 or more");
+  vo::require(online_every >= 1, "finetune.online_every", online_every, "1 or more");
+  vo::require(online_rate > 0.0, "finetune.online_rate", online_rate, "> 0");
+  vo::require(online_memory_s >= 5.0, "finetune.online_memory_s", online_memory_s, "5 or more");
   completed().validate_training();
 }
 

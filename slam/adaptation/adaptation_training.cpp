@@ -35,12 +35,6 @@ AdaptationTraining::AdaptationTraining(const EpochRequest& request, const std::s
       data_sha256_(data_sha256),
       networks_(request.slam, request.options),
       usable_(static_cast<std::size_t>(common_options().batch), 0) {
-  if (networks_.parameters().count() == 0) {
-    throw InputError(
-        "nothing to learn: every network is off or not used by this run; try --front-end learned, "
-        "or finetune.motion_noise=true",
-        ExitCode::kUsage);
-  }
   adopt(networks_.parameters());
 }
 

@@ -10,6 +10,7 @@
 #include "slam/base/file.hpp"
 #include "slam/nn/weights_io.hpp"
 #include "slam/report/report.hpp"
+#include "slam/system/run_recorder.hpp"
 
 namespace imslam::adaptation {
 namespace fs = std::filesystem;
@@ -91,22 +92,13 @@ json agreement_json(const std::vector<LossAgreement>& all) {
   return list;
 }
 
-json models_json(const std::vector<fs::path>& files, const fs::path& folder) {
-  json list = json::array();
+json weights_json(const std::vector<fs::path>& files, const fs::path& folder) {
+  std::vector<system::ModelRecord> models;
   for (const fs::path& file : files) {
-    const nn::ModelCard card = nn::WeightsFile::read(file).card();
-    list.push_back({{"name", file.stem().string()},
-                    {"file", file.lexically_relative(folder).generic_string()},
-                    {"what", card.what},
-                    {"data", card.data},
-                    {"command", card.command},
-                    {"seed", card.seed},
-                    {"metrics", card.metrics},
-                    {"limits", card.limits},
-                    {"parent", card.parent},
-                    {"sha256", card.sha256}});
+    models.push_back({file.stem().string(), file.lexically_relative(folder).generic_string(),
+                      nn::WeightsFile::read(file).card()});
   }
-  return list;
+  return system::models_json(models);
 }
 
 }  // namespace
@@ -152,7 +144,7 @@ void record_finetune(const fs::path& folder,
         {"batch_adapted", scores_json(outcome.after)}}},
       {"curves", curves_json(log)},
       {"agreement", agreement_json(loss_agreement(log))},
-      {"models", models_json(outcome.weights, folder)}};
+      {"models", weights_json(outcome.weights, folder)}};
   constexpr auto kReplace = json::error_handler_t::replace;  // paths may not be UTF-8
   write_file_atomic(folder / "metrics.json", metrics.dump(2, ' ', false, kReplace) + "\n");
   report::write_report(folder);

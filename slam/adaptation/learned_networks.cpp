@@ -73,6 +73,12 @@ LearnedNetworks::LearnedNetworks(const system::SlamOptions& slam,
     imu_->sensor_offset.trainable = true;  // one sensor: what it alone has may be learned
     adopt(kImu, *imu_, trained.card);
   }
+  if (parts_.empty()) {
+    throw InputError(
+        "nothing to learn: every network is off or not used by this run; try --front-end learned, "
+        "or finetune.motion_noise=true",
+        ExitCode::kUsage);
+  }
   choose(options);
 }
 

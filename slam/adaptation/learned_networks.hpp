@@ -20,7 +20,8 @@ namespace imslam::adaptation {
 /// Networks that do not take part in the run, or are not to learn, are not in the list.
 class LearnedNetworks {
  public:
-  /// Those that the options of a run name, with their weights. Throws InputError(kModel).
+  /// Those that the options of a run name, with their weights. Throws InputError(kModel), and
+  /// kUsage if there is none to learn.
   LearnedNetworks(const system::SlamOptions& slam, const AdaptationOptions& options);
   LearnedNetworks(const LearnedNetworks&) = delete;
   LearnedNetworks& operator=(const LearnedNetworks&) = delete;

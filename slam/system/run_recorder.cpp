@@ -49,24 +49,6 @@ void write_trajectories(const fs::path& folder,
   }
 }
 
-nlohmann::json models_json(const std::vector<ModelRecord>& models) {
-  nlohmann::json list = nlohmann::json::array();
-  for (const ModelRecord& model : models) {
-    const nn::ModelCard& card = model.card;
-    list.push_back({{"name", model.name},
-                    {"file", model.file},
-                    {"sha256", card.sha256},
-                    {"what", card.what},
-                    {"data", card.data},
-                    {"command", card.command},
-                    {"seed", card.seed},
-                    {"metrics", card.metrics},
-                    {"limits", card.limits},
-                    {"parent", card.parent}});
-  }
-  return list;
-}
-
 nlohmann::json manifest_json(const RunProvenance& provenance,
                              const std::vector<ModelRecord>& models) {
   nlohmann::json inputs = nlohmann::json::array();
@@ -92,6 +74,24 @@ void write_json(const fs::path& file, const nlohmann::json& json, int indent) {
 }
 
 }  // namespace
+
+nlohmann::json models_json(const std::vector<ModelRecord>& models) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const ModelRecord& model : models) {
+    const nn::ModelCard& card = model.card;
+    list.push_back({{"name", model.name},
+                    {"file", model.file},
+                    {"sha256", card.sha256},
+                    {"what", card.what},
+                    {"data", card.data},
+                    {"command", card.command},
+                    {"seed", card.seed},
+                    {"metrics", card.metrics},
+                    {"limits", card.limits},
+                    {"parent", card.parent}});
+  }
+  return list;
+}
 
 void record_run(const fs::path& folder,
                 const SlamResult& result,

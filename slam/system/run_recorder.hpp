@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,6 +23,9 @@ struct RunProvenance {
   std::string config_yaml;  ///< effective
   std::vector<std::filesystem::path> input_files;
 };
+
+/// Networks and their model cards as manifests list them.
+nlohmann::json models_json(const std::vector<ModelRecord>& models);
 
 /// Writes the run folder: trajectories, graph.g2o, map.pcd, metrics.json, series.json, config.yaml,
 /// manifest.json and report.html. Every file is written all or not. Throws InputError(kOutput).
