@@ -119,6 +119,9 @@ void record(const fs::path& folder,
 void tell_result(const adaptation::FinetuneOutcome& outcome, const fs::path& folder) {
   const learner::TrainingOutcome& training = outcome.training;
   std::fputs(adaptation::comparison_table(outcome.before, outcome.after).c_str(), stdout);
+  const auto device =
+      adaptation::device_table(outcome.zero_shot.result.device, outcome.adapted.result.device);
+  std::fputs(device.c_str(), stdout);
   fmt::print("{}\n", adaptation::guard_text(outcome));
   if (!training.omitted.empty()) {
     log::warn("left out in {} steps: {}", training.steps, training.omitted);

@@ -107,6 +107,24 @@ void ImuNetwork<S>::collect(nn::ParameterList<S>& list, const std::string& prefi
   list.add(prefix + "sensor_offset", sensor_offset);
 }
 
+template <typename S>
+ImuBias ImuNetwork<S>::reading_offset() const {
+  ImuBias offset;
+  for (Index axis = 0; axis < 3; ++axis) {
+    offset.gyro[axis] = static_cast<double>(sensor_offset.value[2 * axis]);
+    offset.accel[axis] = static_cast<double>(sensor_offset.value[2 * axis + 1]);
+  }
+  return offset;
+}
+
+template <typename S>
+void ImuNetwork<S>::set_reading_offset(const ImuBias& offset) {
+  for (Index axis = 0; axis < 3; ++axis) {
+    sensor_offset.value[2 * axis] = static_cast<S>(offset.gyro[axis]);
+    sensor_offset.value[2 * axis + 1] = static_cast<S>(offset.accel[axis]);
+  }
+}
+
 std::array<double, 2> largest_offset(const ImuNoise& noise) {
   return {3.0 * noise.gyro_bias_sigma, 5.0 * noise.accel_bias_sigma};
 }

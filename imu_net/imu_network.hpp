@@ -7,6 +7,7 @@
 #include "slam/nn/layers/conv.hpp"
 #include "slam/nn/layers/gru.hpp"
 #include "slam/nn/layers/linear.hpp"
+#include "slam/sensors/imu.hpp"
 
 namespace imslam::imu {
 
@@ -84,6 +85,9 @@ struct ImuNetwork {
   ImuAnswer forward(nn::Tape<S>& tape, const ImuFrameTensors<S>& frames, nn::Var state) const;
 
   void collect(nn::ParameterList<S>& list, const std::string& prefix = "");
+
+  ImuBias reading_offset() const;  ///< sensor_offset by axes
+  void set_reading_offset(const ImuBias& offset);
 
   nn::Conv1d<S> near, far;
   nn::Gru<S> gru;

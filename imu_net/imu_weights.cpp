@@ -23,7 +23,7 @@ void ImuNetworkOptions::describe(Config& config) {
                "on the datasheet's noise density; the network's own is added");
 }
 
-TrainedImuNetwork load_imu_network(const std::string& file) {
+TrainedImuNetwork load_imu_network(const std::string& file, const ImuBias& reading_offset) {
   const nn::WeightsFile weights =
       nn::read_or_shipped(file, shipped_imu_weights(), "imu_network.safetensors", kWithout);
   Random random(0);  // every number that it draws is replaced
@@ -31,6 +31,10 @@ TrainedImuNetwork load_imu_network(const std::string& file) {
   nn::ParameterList<float> parameters;
   network->collect(parameters);
   nn::load_parameters(weights, parameters);
+  ImuBias offset = network->reading_offset();
+  offset.gyro += reading_offset.gyro;
+  offset.accel += reading_offset.accel;
+  network->set_reading_offset(offset);
   nn::ModelCard card = weights.card();
   card.sha256 = weights.data_sha256();
   return {std::move(network), weights.name(), std::move(card)};

@@ -30,8 +30,9 @@ struct TrainedImuNetwork {
 
 /// Reads the weights of a network of default sizes; `file` empty: those that the program was
 /// shipped with. Throws InputError(kModel) if there are none, if they are damaged, or those of
-/// another network.
-TrainedImuNetwork load_imu_network(const std::string& file);
+/// another network. `reading_offset`: what the sensor at hand is known to have, on top of the
+/// file's own.
+TrainedImuNetwork load_imu_network(const std::string& file, const ImuBias& reading_offset = {});
 
 /// The bytes of weights/imu_network.safetensors, built into the program; none if the file was not
 /// there.

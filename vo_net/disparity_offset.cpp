@@ -75,12 +75,14 @@ RelativeMotion with_disparity_offset(const RelativeMotion& motion, double offset
 
 void DisparityOffsetOptions::describe(Config& config) {
   config.field("block", block, "frames averaged before the scatter is judged");
-  config.field("prior_sigma", prior_sigma, "size of offsets to expect [px]");
+  config.field("prior", prior, "offset to expect [px]");
+  config.field("prior_sigma", prior_sigma, "how far from that it may be [px]");
   config.field("kernel_width", kernel_width, "blocks beyond count less [standard deviations]");
 }
 
 void DisparityOffsetOptions::validate() const {
   require(block >= 1, "vo.offset.block", block, ">= 1");
+  require(std::isfinite(prior), "vo.offset.prior", prior, "finite");
   require(prior_sigma > 0.0, "vo.offset.prior_sigma", prior_sigma, "> 0");
   require(kernel_width > 0.0, "vo.offset.kernel_width", kernel_width, "> 0");
 }
@@ -115,6 +117,7 @@ DisparityOffsetEstimate DisparityOffsetEstimator::estimate() const {
   DisparityOffsetEstimate estimate;
   estimate.frames = frames_;
   const double prior = 1.0 / (options_.prior_sigma * options_.prior_sigma);
+  estimate.offset_px = options_.prior;
   estimate.sigma_px = options_.prior_sigma;
   if (blocks_.size() < 2) return estimate;  // scatter cannot be judged
 
@@ -125,7 +128,7 @@ DisparityOffsetEstimate DisparityOffsetEstimator::estimate() const {
   for (int round = 0; round < kRounds; ++round) {
     const double tau2 = between_variance(readings, weights);
     double information = prior;
-    double weighted = 0.0;
+    double weighted = prior * options_.prior;
     for (std::size_t i = 0; i < readings.size(); ++i) {
       const double w = weights[i] / (readings[i].variance + tau2);
       information += w;

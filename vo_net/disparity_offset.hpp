@@ -22,7 +22,8 @@ RelativeMotion with_disparity_offset(const RelativeMotion& motion, double offset
 
 struct DisparityOffsetOptions {
   int block = 10;             ///< [frames] that share a scene, averaged before scatter is judged
-  double prior_sigma = 1.0;   ///< [px] how large offsets are before anything was seen
+  double prior = 0.0;         ///< [px] the offset to expect before anything was seen
+  double prior_sigma = 1.0;   ///< [px] and how far from that it may be
   double kernel_width = 2.0;  ///< [standard deviations] blocks beyond count less
 
   void describe(Config& config);
@@ -38,8 +39,7 @@ struct DisparityOffsetOptions {
 ///   x_b ~ N(offset, 1/h_b + tau^2),
 ///
 /// the variance tau^2 between blocks being estimated by moments (DerSimonian & Laird,
-/// "Meta-analysis in clinical trials", 1986), with Huber weights on the blocks and a prior around
-/// zero.
+/// "Meta-analysis in clinical trials", 1986), with Huber weights on the blocks and a prior.
 class DisparityOffsetEstimator {
  public:
   explicit DisparityOffsetEstimator(const DisparityOffsetOptions& options) : options_(options) {}

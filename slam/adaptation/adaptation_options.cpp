@@ -28,6 +28,10 @@ void AdaptationOptions::describe(Config& config) {
   config.field("motion_noise", motion_noise, "the covariance of motions learns");
   config.field("pose_head", pose_head, "the pose head learns, where there is one");
   config.field("imu", imu, "the IMU network learns, where there is one");
+  config.field("calibration", calibration,
+               "what the graph says of focal length, disparity offset and clock is kept");
+  config.field("camera_rotation", camera_rotation,
+               "and of how the camera is turned against the IMU");
   config.field("upper", upper, {"left_out", "joint"},
                "each measurement against what the others foretell, or the graph's own cost");
   config.field("graph_weight", graph_weight, "of the motions' likelihood under the graph");

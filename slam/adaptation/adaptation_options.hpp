@@ -23,6 +23,8 @@ struct AdaptationOptions : learner::TrainingOptions {
   bool motion_noise = true;     ///< the covariance of motions
   bool pose_head = true;        ///< of vo.head: regression
   bool imu = true;              ///< of system.imu: learned
+  bool calibration = true;      ///< of the device: focal length, disparity offset, clock
+  bool camera_rotation = true;  ///< likewise, of the camera against the IMU
 
   std::string upper = "left_out";  ///< each measurement against the others, or joint: U = L
   double graph_weight = 1.0;       ///< of the motions' likelihood under the graph, per dimension

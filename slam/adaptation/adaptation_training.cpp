@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "slam/adaptation/device_refinement.hpp"
 #include "slam/adaptation/inertial_lesson.hpp"
 #include "slam/adaptation/visual_lesson.hpp"
 #include "slam/base/error.hpp"
 #include "slam/nn/ops/pointwise.hpp"
+#include "slam/system/known_device.hpp"
 
 namespace imslam::adaptation {
 namespace {
@@ -33,7 +35,8 @@ AdaptationTraining::AdaptationTraining(const EpochRequest& request, const std::s
     : NetworkTraining(validated(request.options), text_of(request, data_sha256)),
       request_(request),
       data_sha256_(data_sha256),
-      networks_(request.slam, request.options),
+      networks_(
+          request.slam, request.options, system::present_device(request.slam, request.sequence)),
       usable_(static_cast<std::size_t>(common_options().batch), 0) {
   adopt(networks_.parameters());
 }
@@ -78,7 +81,16 @@ const Epoch& AdaptationTraining::epoch() {
 
 void AdaptationTraining::prepare_step() {
   epoch();
+  if (step_count() == epoch_step_) refine_device();
   std::fill(usable_.begin(), usable_.end(), 0);
+}
+
+/// What the graph says of the device counts from the next run on.
+void AdaptationTraining::refine_device() {
+  const auto& result = epoch_->outcome.result;
+  if (!epoch_->teacher) return;
+  networks_.set_device(refined_device(result, epoch_->device, request_.sequence.camera(),
+                                      request_.slam.system, request_.options));
 }
 
 bool AdaptationTraining::teaches(std::size_t slot) const {
@@ -106,8 +118,7 @@ Var AdaptationTraining::sample_loss(nn::Tape<float>& tape, std::size_t slot) {
   }
   const std::size_t place = step * static_cast<std::size_t>(options.edges) + slot;
   const MotionTrace& trace = epoch_->traces[place % epoch_->traces.size()];
-  const VisualClass of{networks_, *epoch_->teacher, request_.sequence.camera(), request_.slam.vo,
-                       options};
+  const VisualClass of{networks_, *epoch_->teacher, epoch_->camera, request_.slam.vo, options};
   bool usable = false;
   const Var lesson = visual_lesson(tape, trace, of, usable);
   usable_[slot] = usable ? 1 : 0;

@@ -46,6 +46,7 @@ class AdaptationTraining : public learner::NetworkTraining {
   /// The run with the weights that the present epoch began with.
   const Epoch& epoch();
   void begin_epoch(int first_step);
+  void refine_device();
 
   EpochRequest request_;
   std::string data_sha256_;

@@ -53,15 +53,18 @@ std::unique_ptr<Epoch> run_epoch(const EpochRequest& request,
   const auto frames = draw_frames(first, std::min(last, count), request.options, number);
   std::vector<bool> wanted(count, false);
   for (const std::size_t frame : frames) wanted[frame] = true;
-  MotionTracer tracer(std::move(wanted), request.sequence.camera(), networks.match() != nullptr);
+  auto epoch = std::make_unique<Epoch>();
+  epoch->device = networks.device();
+  epoch->camera = calibrated(request.sequence.camera(), epoch->device);
+  MotionTracer tracer(std::move(wanted), epoch->camera, networks.match() != nullptr);
 
   const system::Networks snapshot = networks.snapshot();
   system::RunRequest run = request.run;
   run.networks = &snapshot;
+  run.device = epoch->device;
   run.observe = [&](const StereoFrame& frame, const vo::VoOutput& seen) {
     tracer.see(frame, seen);
   };
-  auto epoch = std::make_unique<Epoch>();
   epoch->outcome = system::run_sequence(request.sequence, request.slam, run);
   if (epoch->outcome.stopped) {
     throw InputError("stopped in the middle of an epoch; --resume goes on", ExitCode::kInterrupted);

@@ -13,6 +13,8 @@ namespace imslam::adaptation {
 
 /// One run over the sequence with the networks as they are, and what it teaches.
 struct Epoch {
+  DeviceCalibration device;  ///< as the run assumed it
+  StereoCamera camera;       ///< likewise
   system::RunOutcome outcome;
   std::vector<MotionTrace> traces;      ///< of the motions drawn for lessons, in that order
   std::optional<GraphTeacher> teacher;  ///< empty: the graph cannot teach, see `reason`

@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <tuple>
+
 #include "slam/base/file.hpp"
 #include "slam/nn/weights_io.hpp"
+#include "slam/system/known_device.hpp"
 
 namespace imslam::adaptation {
 namespace fs = std::filesystem;
@@ -21,7 +25,7 @@ struct Scored {
 Scored run_and_score(const EpochRequest& request, const system::SlamOptions& slam) {
   AdaptationOptions nothing = request.options;
   nothing.steps_per_epoch = 0;  // no motions are traced
-  const LearnedNetworks networks(slam, nothing);
+  const LearnedNetworks networks(slam, nothing, system::present_device(slam, request.sequence));
   EpochRequest plain{request.sequence, slam, nothing, request.run};
   auto epoch = run_epoch(plain, networks, 0);
   const auto truth = true_inertial_log(request.sequence, epoch->outcome);
@@ -148,6 +152,26 @@ std::string comparison_table(const EpochScores& before, const EpochScores& after
     text += fmt::format(
         "{:<34}{:>12}{:>12}{:>12}\n", row.name, cell(row.before), cell(row.after),
         loss ? fmt::format("{:+.4f}", *row.after - *row.before) : change(row.before, row.after));
+  }
+  return text;
+}
+
+std::string device_table(const DeviceCalibration& before, const DeviceCalibration& after) {
+  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+  const auto rotation = [&](const DeviceCalibration& device) {
+    return (kDegrees * device.camera_rotation).eval();
+  };
+  const std::array<std::tuple<const char*, double, double>, 6> rows{
+      {{"device: focal length, error [%]", 100.0 * before.focal_error, 100.0 * after.focal_error},
+       {"device: disparity offset [px]", before.disparity_offset_px, after.disparity_offset_px},
+       {"device: time offset [ms]", 1e3 * before.time_offset_s, 1e3 * after.time_offset_s},
+       {"device: camera turned, x [deg]", rotation(before).x(), rotation(after).x()},
+       {"device: camera turned, y [deg]", rotation(before).y(), rotation(after).y()},
+       {"device: camera turned, z [deg]", rotation(before).z(), rotation(after).z()}}};
+  std::string text;
+  for (const auto& [name, old, now] : rows) {
+    if (old == now) continue;
+    text += fmt::format("{:<34}{:>12.4f}{:>12.4f}\n", name, old, now);
   }
   return text;
 }

@@ -41,4 +41,7 @@ std::string sequence_sha256(const datasets::Sequence& sequence);
 /// Before and after, for people: what needs truth has a dash without it.
 std::string comparison_table(const EpochScores& before, const EpochScores& after);
 
+/// What is taken for true of the device, likewise. Empty if nothing changed.
+std::string device_table(const DeviceCalibration& before, const DeviceCalibration& after);
+
 }  // namespace imslam::adaptation

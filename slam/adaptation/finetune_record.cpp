@@ -36,6 +36,14 @@ json scores_json(const EpochScores& scores) {
           {"graph_rpe_deg", number(scores.graph_rpe_deg)}};
 }
 
+json device_json(const DeviceCalibration& device) {
+  return {{"focal_error", device.focal_error},
+          {"disparity_offset_px", device.disparity_offset_px},
+          {"time_offset_s", device.time_offset_s},
+          {"camera_rotation_rad",
+           {device.camera_rotation.x(), device.camera_rotation.y(), device.camera_rotation.z()}}};
+}
+
 const char* verdict_of(const FinetuneOutcome& outcome) {
   if (!outcome.training.loss_before) return "forced";
   return outcome.training.gained() ? "adapted" : "given";
@@ -142,6 +150,10 @@ void record_finetune(const fs::path& folder,
        {{"zero_shot", scores_json(outcome.before)},
         {"online_adapted", nullptr},
         {"batch_adapted", scores_json(outcome.after)}}},
+      {"device",
+       {{"fingerprint", outcome.adapted.result.device.device},
+        {"before", device_json(outcome.zero_shot.result.device)},
+        {"after", device_json(outcome.adapted.result.device)}}},
       {"curves", curves_json(log)},
       {"agreement", agreement_json(loss_agreement(log))},
       {"models", weights_json(outcome.weights, folder)}};

@@ -1,5 +1,6 @@
 #include "slam/adaptation/learned_networks.hpp"
 
+#include <type_traits>
 #include <utility>
 
 #include "imu_net/imu_weights.hpp"
@@ -16,19 +17,51 @@ constexpr const char* kMatch = "match_network";
 constexpr const char* kNoise = "motion_noise";
 constexpr const char* kHead = "pose_head";
 constexpr const char* kImu = "imu_network";
+constexpr const char* kCalibration = "device/calibration";
+constexpr const char* kDeviceFile = "device.yaml";
 
-/// The weights of one network from the joint file, under their own names.
+/// Focal error, disparity offset [px], time offset [s], camera rotation [rad].
+constexpr nn::Index kCalibrationSize = 6;
+
+void to_numbers(const DeviceCalibration& device, nn::Tensor<float>& numbers) {
+  numbers[0] = static_cast<float>(device.focal_error);
+  numbers[1] = static_cast<float>(device.disparity_offset_px);
+  numbers[2] = static_cast<float>(device.time_offset_s);
+  for (int axis = 0; axis < 3; ++axis) {
+    numbers[3 + axis] = static_cast<float>(device.camera_rotation[axis]);
+  }
+}
+
+void from_numbers(const nn::Tensor<float>& numbers, DeviceCalibration& device) {
+  device.focal_error = static_cast<double>(numbers[0]);
+  device.disparity_offset_px = static_cast<double>(numbers[1]);
+  device.time_offset_s = static_cast<double>(numbers[2]);
+  for (int axis = 0; axis < 3; ++axis) {
+    device.camera_rotation[axis] = static_cast<double>(numbers[3 + axis]);
+  }
+}
+
+template <typename Network>
+void read_network(const std::string& name, Network& network, const nn::WeightsFile& joint) {
+  nn::ParameterList<float> own;
+  network.collect(own, "");
+  for (nn::Parameter<float>* parameter : own) {
+    joint.read_into(name + "/" + parameter->name, parameter->value);
+  }
+}
+
+/// The weights of one network from the joint file, under their own names; of no device in
+/// particular.
 template <typename Network>
 void write_network(const std::string& name,
                    Network network,
                    const nn::WeightsFile& joint,
                    const std::filesystem::path& file,
                    const nn::ModelCard& card) {
+  read_network(name, network, joint);
+  if constexpr (std::is_same_v<Network, imu::ImuNetwork<float>>) network.set_reading_offset({});
   nn::ParameterList<float> own;
   network.collect(own, "");
-  for (nn::Parameter<float>* parameter : own) {
-    joint.read_into(name + "/" + parameter->name, parameter->value);
-  }
   nn::save_parameters(file, own, card, nn::NumberType::kF16);
 }
 
@@ -44,7 +77,9 @@ nn::ModelCard untrained_noise_card() {
 }  // namespace
 
 LearnedNetworks::LearnedNetworks(const system::SlamOptions& slam,
-                                 const AdaptationOptions& options) {
+                                 const AdaptationOptions& options,
+                                 const DeviceCalibration& device)
+    : known_device_(device), calibration_(nn::Shape{kCalibrationSize}, false) {
   if (slam.system.front_end == "learned" && options.matcher != "off") {
     auto trained = vo::load_match_network(slam.vo.learned.weights, vo::MatchUse::kTraining);
     match_ = std::move(trained.network);
@@ -68,7 +103,8 @@ LearnedNetworks::LearnedNetworks(const system::SlamOptions& slam,
     adopt(kHead, *head_, trained.card);
   }
   if (slam.system.imu == "learned" && options.imu) {
-    const auto trained = imu::load_imu_network(slam.imu_network.weights);
+    const auto trained =
+        imu::load_imu_network(slam.imu_network.weights, known_device_.reading_offset);
     imu_ = std::make_shared<imu::ImuNetwork<float>>(*trained.network);
     imu_->sensor_offset.trainable = true;  // one sensor: what it alone has may be learned
     adopt(kImu, *imu_, trained.card);
@@ -80,6 +116,8 @@ LearnedNetworks::LearnedNetworks(const system::SlamOptions& slam,
         ExitCode::kUsage);
   }
   choose(options);
+  set_device(device);
+  list_.add(kCalibration, calibration_);
 }
 
 template <typename Network>
@@ -115,6 +153,30 @@ system::Networks LearnedNetworks::snapshot() const {
   return networks;
 }
 
+DeviceCalibration LearnedNetworks::device() const {
+  DeviceCalibration device = known_device_;
+  from_numbers(calibration_.value, device);
+  return device;
+}
+
+void LearnedNetworks::set_device(const DeviceCalibration& device) {
+  to_numbers(device, calibration_.value);
+}
+
+/// The numbers of the joint file.
+DeviceCalibration LearnedNetworks::device_of(const nn::WeightsFile& joint) const {
+  nn::Tensor<float> numbers({kCalibrationSize});
+  joint.read_into(kCalibration, numbers);
+  DeviceCalibration device = known_device_;
+  from_numbers(numbers, device);
+  if (imu_) {
+    imu::ImuNetwork<float> network = *imu_;
+    read_network(kImu, network, joint);
+    device.reading_offset = network.reading_offset();
+  }
+  return device;
+}
+
 std::vector<std::filesystem::path> LearnedNetworks::write(const std::filesystem::path& joint,
                                                           const std::filesystem::path& folder,
                                                           const nn::ModelCard& card) {
@@ -133,20 +195,24 @@ std::vector<std::filesystem::path> LearnedNetworks::write(const std::filesystem:
     if (part.name == kHead) write_network(kHead, *head_, numbers, files.back(), own);
     if (part.name == kImu) write_network(kImu, *imu_, numbers, files.back(), own);
   }
+  write_device(folder / kDeviceFile, device_of(numbers));
   return files;
 }
 
 std::vector<std::string> network_assignments(const std::filesystem::path& folder) {
   std::vector<std::string> assignments;
-  const auto use = [&](const char* name, const char* key) {
-    const auto file = folder / (std::string(name) + ".safetensors");
+  const auto use = [&](const std::string& name, const char* key) {
+    const auto file = folder / name;
     if (std::filesystem::exists(file)) assignments.push_back(key + ("=" + file.string()));
   };
-  use(kMatch, "vo.learned.weights");
-  use(kNoise, "vo.motion_noise");
-  use(kHead, "vo.regression.weights");
-  use(kImu, "imu_network.weights");
-  if (assignments.empty()) {
+  constexpr const char* kSuffix = ".safetensors";
+  use(std::string(kMatch) + kSuffix, "vo.learned.weights");
+  use(std::string(kNoise) + kSuffix, "vo.motion_noise");
+  use(std::string(kHead) + kSuffix, "vo.regression.weights");
+  use(std::string(kImu) + kSuffix, "imu_network.weights");
+  const bool networks = !assignments.empty();
+  use(kDeviceFile, "system.device");
+  if (!networks) {
     throw InputError(folder.string() +
                          ": no network here; expected the weights folder of a fine-tuning "
                          "(match_network, motion_noise, pose_head, imu_network .safetensors)",

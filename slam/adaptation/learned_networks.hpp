@@ -8,6 +8,8 @@
 #include "imu_net/imu_network.hpp"
 #include "slam/adaptation/adaptation_options.hpp"
 #include "slam/nn/model_card.hpp"
+#include "slam/nn/weights_io.hpp"
+#include "slam/sensors/device_calibration.hpp"
 #include "slam/system/front_end.hpp"
 #include "vo_net/match_network.hpp"
 #include "vo_net/motion_noise.hpp"
@@ -16,13 +18,16 @@
 namespace imslam::adaptation {
 
 /// The networks of a run while they learn, as one list of parameters:
-/// "match_network/encoder...", "motion_noise/...", "pose_head/...", "imu_network/...".
+/// "match_network/encoder...", "motion_noise/...", "pose_head/...", "imu_network/...", and what
+/// is known of the device, "device/calibration", which no optimiser moves: the graph says it.
 /// Networks that do not take part in the run, or are not to learn, are not in the list.
 class LearnedNetworks {
  public:
-  /// Those that the options of a run name, with their weights. Throws InputError(kModel), and
-  /// kUsage if there is none to learn.
-  LearnedNetworks(const system::SlamOptions& slam, const AdaptationOptions& options);
+  /// Those that the options of a run name, with their weights, on this device. Throws
+  /// InputError(kModel), and kUsage if there is none to learn.
+  LearnedNetworks(const system::SlamOptions& slam,
+                  const AdaptationOptions& options,
+                  const DeviceCalibration& device);
   LearnedNetworks(const LearnedNetworks&) = delete;
   LearnedNetworks& operator=(const LearnedNetworks&) = delete;
 
@@ -36,8 +41,14 @@ class LearnedNetworks {
   /// Copies for a run, as they are now.
   system::Networks snapshot() const;
 
+  /// As a run with snapshot() is to assume it.
+  DeviceCalibration device() const;
+  void set_device(const DeviceCalibration& device);
+
   /// The weights of `joint` (all parameters, as save() of a training wrote them), one file per
   /// network in `folder`, in float16. Cards: `card` with what is known of each network before.
+  /// What belongs to the device alone, the constant errors of its readings included, goes to
+  /// device.yaml: the networks stay good for others.
   std::vector<std::filesystem::path> write(const std::filesystem::path& joint,
                                            const std::filesystem::path& folder,
                                            const nn::ModelCard& card);
@@ -51,11 +62,14 @@ class LearnedNetworks {
   template <typename Network>
   void adopt(const std::string& name, Network& network, const nn::ModelCard& card);
   void choose(const AdaptationOptions& options);
+  DeviceCalibration device_of(const nn::WeightsFile& joint) const;
 
   std::shared_ptr<vo::MatchNetwork<float>> match_;
   std::shared_ptr<vo::MotionNoise<float>> noise_;
   std::shared_ptr<vo::PoseHead<float>> head_;
   std::shared_ptr<imu::ImuNetwork<float>> imu_;
+  DeviceCalibration known_device_;  ///< what the networks do not hold of it
+  nn::Parameter<float> calibration_;
   std::vector<Part> parts_;
   nn::ParameterList<float> list_;
 };

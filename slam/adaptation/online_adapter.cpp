@@ -11,6 +11,7 @@
 #include "slam/base/time.hpp"
 #include "slam/nn/ops/pointwise.hpp"
 #include "slam/nn/training/gradients.hpp"
+#include "slam/system/known_device.hpp"
 
 namespace imslam::adaptation {
 namespace {
@@ -33,17 +34,18 @@ OnlineAdapter::OnlineAdapter(const system::SlamOptions& slam,
     : slam_(slam),
       options_(online(options)),
       sequence_(sequence),
-      networks_(slam, options_),
+      networks_(slam, options_, system::present_device(slam, sequence)),
+      camera_(calibrated(sequence.camera(), networks_.device())),
       in_use_(networks_.snapshot()),
-      tracer_(std::vector<bool>(sequence.frame_count(), true),
-              sequence.camera(),
-              networks_.match() != nullptr),
+      tracer_(
+          std::vector<bool>(sequence.frame_count(), true), camera_, networks_.match() != nullptr),
       batch_(networks_.parameters(), std::min(options_.edges + 1, thread_count())),
       gradients_(nn::zero_gradients(networks_.parameters())),
       usable_(static_cast<std::size_t>(options_.edges) + 1, 0) {}
 
 void OnlineAdapter::attach(system::RunRequest& request) {
   request.networks = &in_use_;
+  request.device = networks_.device();
   request.observe = [this](const StereoFrame& frame, const vo::VoOutput& seen) {
     see(frame, seen);
   };
@@ -111,7 +113,7 @@ Var OnlineAdapter::lesson(nn::Tape<float>& tape, const GraphTeacher& teacher, st
     return scale(tape, inertial_lesson(tape, of, random), options_.imu_weight * options_.edges);
   }
   if (slot >= tracer_.traces().size()) return nothing;
-  const VisualClass of{networks_, teacher, sequence_.camera(), slam_.vo, options_};
+  const VisualClass of{networks_, teacher, camera_, slam_.vo, options_};
   bool usable = false;
   const Var said = visual_lesson(tape, tracer_.traces()[slot], of, usable);
   usable_[slot] = usable ? 1 : 0;

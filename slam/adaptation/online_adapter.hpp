@@ -48,6 +48,7 @@ class OnlineAdapter {
   AdaptationOptions options_;
   const datasets::Sequence& sequence_;
   LearnedNetworks networks_;
+  StereoCamera camera_;      ///< as the run assumes it
   system::Networks in_use_;  ///< shared with the run; changed between its frames
   MotionTracer tracer_;
   nn::DataParallel<float> batch_;

@@ -95,6 +95,33 @@ std::string result_table(const FinetuneContent& content) {
   return out + "</tbody></table>";
 }
 
+std::string device_table(const FinetuneContent& content) {
+  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+  const json& device = at(content.metrics, "device");
+  const json& before = at(device, "before");
+  const json& after = at(device, "after");
+  std::string out =
+      "<table><thead><tr><th></th><th>before</th><th>after</th></tr></thead><tbody>\n";
+  const auto row = [&](const std::string& label, double old, double now) {
+    out += fmt::format("<tr><th>{}</th><td>{}</td><td>{}</td></tr>\n", label, number_text(old),
+                       number_text(now));
+  };
+  const auto scalar = [&](const char* label, const char* key, double unit) {
+    row(label, unit * number_at(before, key), unit * number_at(after, key));
+  };
+  scalar("Focal length, error <small>%</small>", "focal_error", 100.0);
+  scalar("Disparity offset <small>px</small>", "disparity_offset_px", 1.0);
+  scalar("Time offset of the IMU <small>ms</small>", "time_offset_s", 1e3);
+  const json& turned_before = at(before, "camera_rotation_rad");
+  const json& turned_after = at(after, "camera_rotation_rad");
+  if (turned_before.size() != 3 || turned_after.size() != 3) return out + "</tbody></table>";
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    row(fmt::format("Camera turned about {} <small>deg</small>", "xyz"[axis]),
+        kDegrees * turned_before[axis].get<double>(), kDegrees * turned_after[axis].get<double>());
+  }
+  return out + "</tbody></table>";
+}
+
 std::string agreement(const FinetuneContent& content) {
   const json& all = at(content.metrics, "agreement");
   if (!all.is_array() || all.empty()) {
@@ -209,6 +236,7 @@ std::string finetune_html(const FinetuneContent& content) {
                         {"verdict", escape_html(text_at(guard, "text"))},
                         {"cards", cards(content)},
                         {"results", result_table(content)},
+                        {"device", device_table(content)},
                         {"agreement", agreement(content)},
                         {"models", model_cards(content)},
                         {"runs", run_links(content)},

@@ -166,7 +166,7 @@ class BatchEstimator {
         system.accel_bias_prior > 0.0 ? system.accel_bias_prior : sensor.accel_bias_sigma);
     add_bias_beliefs(graph);
     graph.add_focal_error_prior(0.0, system.focal_error_prior);
-    graph.add_time_offset_prior(0.0, system.time_offset_prior_s);
+    graph.add_time_offset_prior(system.time_offset_s, system.time_offset_prior_s);
     if (system.zero_velocity) hold_still_stretches(motions, graph);
     return graph;
   }

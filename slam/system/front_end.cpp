@@ -28,7 +28,8 @@ std::shared_ptr<Network> network_of(const std::shared_ptr<Network>& at_hand,
 
 FrontEnd make_front_end(const SlamOptions& options,
                         const StereoCamera& camera,
-                        const Networks* networks) {
+                        const Networks* networks,
+                        const DeviceCalibration& device) {
   const Networks given = networks != nullptr ? *networks : Networks();
   FrontEnd front_end;
   if (options.system.front_end == "klt") {
@@ -47,7 +48,9 @@ FrontEnd make_front_end(const SlamOptions& options,
     front_end.motion_noise = network_of(given.motion_noise, "motion_noise", load, front_end);
   }
   if (options.system.imu == "learned") {
-    const auto load = [&] { return imu::load_imu_network(options.imu_network.weights); };
+    const auto load = [&] {
+      return imu::load_imu_network(options.imu_network.weights, device.reading_offset);
+    };
     front_end.imu_network = network_of(given.imu_network, "imu_network", load, front_end);
   }
   return front_end;

@@ -7,6 +7,7 @@
 #include "imu_net/imu_network.hpp"
 #include "slam/nn/model_card.hpp"
 #include "slam/sensors/calibration.hpp"
+#include "slam/sensors/device_calibration.hpp"
 #include "slam/system/slam_options.hpp"
 #include "vo_net/match_network.hpp"
 #include "vo_net/matcher.hpp"
@@ -39,10 +40,12 @@ struct Networks {
 };
 
 /// The matcher that options.system.front_end names, the head that options.vo.head names, the IMU
-/// network if options.system.imu asks for it; those of `networks` (may be null) come first. Throws
+/// network if options.system.imu asks for it; those of `networks` (may be null) come first. An IMU
+/// network that is not among them learns from `device` what its sensor alone has. Throws
 /// InputError(kModel) if they need weights and there are none.
 FrontEnd make_front_end(const SlamOptions& options,
                         const StereoCamera& camera,
-                        const Networks* networks = nullptr);
+                        const Networks* networks = nullptr,
+                        const DeviceCalibration& device = {});
 
 }  // namespace imslam::system

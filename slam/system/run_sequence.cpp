@@ -9,6 +9,7 @@
 #include "slam/base/error.hpp"
 #include "slam/base/log.hpp"
 #include "slam/system/front_end.hpp"
+#include "slam/system/known_device.hpp"
 #include "slam/system/slam_system.hpp"
 
 namespace imslam::system {
@@ -113,7 +114,10 @@ RunOutcome run_sequence(datasets::Sequence& sequence,
   if (inertial) noise = sequence.imu()->noise;
 
   const auto start = std::chrono::steady_clock::now();
-  SlamSystem slam(options, sequence.camera(), noise, request.networks);
+  std::string why_not;
+  const DeviceCalibration device =
+      request.device ? *request.device : known_device(options, sequence, why_not);
+  SlamSystem slam(options, sequence.camera(), noise, request.networks, device);
   slam.observe(request.observe);
   slam.observe_window(request.observe_window);
   ImuFeed imu(inertial ? &sequence.imu()->samples : nullptr, sequence.frame_time_ns(range.first),
@@ -131,6 +135,8 @@ RunOutcome run_sequence(datasets::Sequence& sequence,
     }
   }
   outcome.result = slam.finish();
+  if (!why_not.empty()) outcome.result.warnings.push_back(std::move(why_not));
+  outcome.result.device = device;
   if (inertial) outcome.result.counters.imu_dropped += sequence.imu()->dropped;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   outcome.summary = {sequence.name(), sequence.format(), elapsed.count()};

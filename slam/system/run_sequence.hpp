@@ -19,9 +19,10 @@ struct RunRequest {
   std::size_t last_frame = 0;  ///< not included; 0: all
   /// Called after each frame; false stops in good order: what was seen so far is the result.
   std::function<bool(std::size_t done, std::size_t total)> keep_going;
-  FrameObserver observe;               ///< told about each frame; may be empty
-  WindowObserver observe_window;       ///< told about the sliding window; may be empty
-  const Networks* networks = nullptr;  ///< instead of those that the options name; see there
+  FrameObserver observe;                    ///< told about each frame; may be empty
+  WindowObserver observe_window;            ///< told about the sliding window; may be empty
+  const Networks* networks = nullptr;       ///< instead of those that the options name; see there
+  std::optional<DeviceCalibration> device;  ///< likewise
 };
 
 struct RunOutcome {

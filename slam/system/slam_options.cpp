@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "slam/base/config.hpp"
 #include "slam/base/error.hpp"
 
@@ -27,6 +29,8 @@ void SystemOptions::describe(Config& config) {
                "[px] standard deviation of the disparity offset before looking");
   config.field("focal_error_prior", focal_error_prior,
                "[1] standard deviation of the focal length's relative error before looking");
+  config.field("time_offset_s", time_offset_s,
+               "[s] time offset to expect: stamp of the IMU less that of the camera");
   config.field("time_offset_prior_s", time_offset_prior_s,
                "[s] standard deviation of the time offset before looking");
   config.field("gyro_bias_prior", gyro_bias_prior,
@@ -45,6 +49,8 @@ void SystemOptions::describe(Config& config) {
   config.field("map_max_depth_baselines", map_max_depth_baselines,
                "[baselines] farther points are left out of the map");
   config.field("map_voxel_m", map_voxel_m, "[m] one map point per cube of this side");
+  config.field("device", device,
+               "file with what fine-tuning found of this very device; empty: none");
   config.field("seed", seed, "recorded in the manifest");
 }
 
@@ -54,6 +60,7 @@ void SystemOptions::validate() const {
   };
   positive("disparity_offset_prior_px", disparity_offset_prior_px);
   positive("focal_error_prior", focal_error_prior);
+  require(std::abs(time_offset_s) <= 1.0, "time_offset_s", time_offset_s, "between -1 and 1");
   positive("time_offset_prior_s", time_offset_prior_s);
   require(gyro_bias_prior >= 0.0, "gyro_bias_prior", gyro_bias_prior, "0 or more");
   require(accel_bias_prior >= 0.0, "accel_bias_prior", accel_bias_prior, "0 or more");

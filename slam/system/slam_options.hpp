@@ -28,7 +28,8 @@ struct SystemOptions {
 
   double disparity_offset_prior_px = 2.0;  ///< standard deviation before looking
   double focal_error_prior = 0.02;         ///< [1] likewise
-  double time_offset_prior_s = 0.02;       ///< likewise
+  double time_offset_s = 0.0;              ///< to expect: stamp of the IMU less the camera's
+  double time_offset_prior_s = 0.02;       ///< standard deviation before looking
   double gyro_bias_prior = 0.0;            ///< [rad/s] likewise; 0: what the sensor's kind allows
   double accel_bias_prior = 0.0;           ///< [m/s^2] likewise
   double gyro_noise_factor = 2.0;          ///< [1] on the datasheet's density: see README, "noise"
@@ -41,7 +42,8 @@ struct SystemOptions {
   int map_points_per_frame = 40;        ///< kept for map.pcd
   double map_max_depth_baselines = 40;  ///< farther points are too uncertain for the map
   double map_voxel_m = 0.05;            ///< [m]
-  int seed = 0;  ///< recorded; nothing in the classical pipeline draws at random
+  std::string device;  ///< file of a DeviceCalibration; of another device: not used
+  int seed = 0;        ///< recorded; nothing in the classical pipeline draws at random
 
   void describe(Config& config);
   void validate() const;  ///< throws InputError(kUsage)

@@ -9,6 +9,7 @@
 #include "pgo/graph_data.hpp"
 #include "pgo/options.hpp"
 #include "slam/base/solve_report.hpp"
+#include "slam/sensors/device_calibration.hpp"
 #include "slam/sensors/trajectory.hpp"
 #include "slam/system/front_end.hpp"
 #include "slam/system/map_builder.hpp"
@@ -57,7 +58,8 @@ struct SlamResult {
   bool inertial = false;       ///< the IMU took part in the graph
   bool tracking_lost = false;  ///< most of the frames were not measured
 
-  Estimate disparity_offset_px;
+  DeviceCalibration device;             ///< that the run used; what follows is beyond it
+  Estimate disparity_offset_px;         ///< but this one, and the time offset, as a whole
   std::optional<Estimate> focal_error;  ///< [1], empty without a gyro to compare with
   std::optional<Estimate> time_offset_s;
   double gravity_m_s2 = 0.0;

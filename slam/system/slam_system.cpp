@@ -9,6 +9,7 @@
 #include "slam/system/calibration_doubts.hpp"
 #include "slam/system/front_end.hpp"
 #include "slam/system/inertial_front_end.hpp"
+#include "slam/system/known_device.hpp"
 #include "slam/system/map_sampler.hpp"
 #include "slam/system/measurements.hpp"
 #include "slam/system/online_estimator.hpp"
@@ -26,14 +27,15 @@ class SlamSystem::State {
         FrontEnd front_end)
       : options_(options),
         camera_(camera),
-        odometry_(options.vo,
+        odometry_(options_.vo,
                   camera,
                   std::move(front_end.matcher),
                   std::move(front_end.pose_head),
                   std::move(front_end.motion_noise)),
-        online_(options),
-        map_sampler_(camera, options.system),
+        online_(options_),
+        map_sampler_(camera, options_.system),
         inertial_(imu_noise.has_value()) {
+    odometry_.set_disparity_offset(options_.vo.offset.prior);
     result_.models = std::move(front_end.models);
     if (options.system.loops) loops_.emplace(options.loops, options.vo, camera);
     if (!imu_noise) return;
@@ -132,9 +134,9 @@ class SlamSystem::State {
   std::optional<vo::MotionPrior> predict(std::int64_t time_ns) const {
     const auto anchor_ns = odometry_.anchor_time_ns();
     if (!inertial_ || !anchor_ns) return std::nullopt;
-    const ImuMotion motion =
-        imu::preintegrate(measurements_.imu, *anchor_ns, time_ns, present_bias(),
-                          measurements_.imu_noise, 0.0, options_.preintegration);
+    const ImuMotion motion = imu::preintegrate(
+        measurements_.imu, *anchor_ns, time_ns, present_bias(), measurements_.imu_noise,
+        options_.system.time_offset_s, options_.preintegration);
     if (!motion.valid) return std::nullopt;
     return vo::MotionPrior{motion.dR, std::nullopt};
   }
@@ -235,9 +237,13 @@ SlamResult SlamSystem::State::finish() {
 SlamSystem::SlamSystem(const SlamOptions& options,
                        const StereoCamera& camera,
                        const std::optional<ImuNoise>& imu_noise,
-                       const Networks* networks)
+                       const Networks* networks,
+                       const DeviceCalibration& device)
     : state_(std::make_unique<State>(
-          options, camera, imu_noise, make_front_end(options, camera, networks))) {}
+          with_device(options, device),
+          calibrated(camera, device),
+          imu_noise,
+          make_front_end(options, calibrated(camera, device), networks, device))) {}
 
 SlamSystem::~SlamSystem() = default;
 

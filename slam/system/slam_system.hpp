@@ -28,12 +28,13 @@ using WindowObserver = std::function<void(const pgo::PoseVelocityGraph& window)>
 /// Samples up to a frame's stamp (and a little more, for the time offset) are added before it.
 class SlamSystem {
  public:
-  /// `imu_noise` empty: there is no IMU, the graph is visual only. `networks`: see
-  /// make_front_end(), which throws.
+  /// `imu_noise` empty: there is no IMU, the graph is visual only. `camera`: as stated; `device`:
+  /// what is known beyond that. `networks`: see make_front_end(), which throws.
   SlamSystem(const SlamOptions& options,
              const StereoCamera& camera,
              const std::optional<ImuNoise>& imu_noise,
-             const Networks* networks = nullptr);
+             const Networks* networks = nullptr,
+             const DeviceCalibration& device = {});
   ~SlamSystem();
   SlamSystem(const SlamSystem&) = delete;
   SlamSystem& operator=(const SlamSystem&) = delete;

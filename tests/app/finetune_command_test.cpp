@@ -51,6 +51,31 @@ TEST(FinetuneCommand, LeavesNetworksWithModelCardsTwoRunsAndAReport) {
   }
 }
 
+TEST(FinetuneCommand, WhatItFoundOfTheDeviceIsUsedForThatDeviceOnly) {
+  const TempDir dir;
+  ASSERT_EQ(finetune(dir, ".").exit_code, 0);
+  const fs::path weights = dir.path() / "tuned" / "weights";
+  const auto device = finetune_metrics(dir.path() / "tuned").at("device");
+  const std::string fingerprint = device.at("fingerprint");
+  EXPECT_EQ(fingerprint.size(), 16U);
+  EXPECT_EQ(device.at("before").at("disparity_offset_px"), 0.0);
+  EXPECT_NE(device.at("after").at("disparity_offset_px"), 0.0);
+  const std::string run = "run " + quoted(testing::simulated_base().sequence.string()) +
+                          " --frames 0:10 --front-end learned --imu learned --networks " +
+                          quoted(weights.string()) + " --out ";
+  const auto own = run_imslam(dir, run + "own");
+  ASSERT_EQ(own.exit_code, 0) << own.err;
+  EXPECT_EQ(own.err.find("another device"), std::string::npos) << own.err;
+  std::string text = slurp(weights / "device.yaml");
+  const auto place = text.find(fingerprint);
+  ASSERT_NE(place, std::string::npos) << text;
+  text.replace(place, 4, "beef");
+  std::ofstream(weights / "device.yaml") << text;
+  const auto other = run_imslam(dir, run + "other");
+  ASSERT_EQ(other.exit_code, 0) << other.err;
+  EXPECT_NE((other.out + other.err).find("another device"), std::string::npos) << other.err;
+}
+
 TEST(FinetuneCommand, ItsReportCanBeMadeAnew) {
   const TempDir dir;
   ASSERT_EQ(finetune(dir, ".").exit_code, 0);

@@ -30,9 +30,9 @@ inline CommandResult finetune(const TempDir& dir,
 
 /// All weights of a finished fine-tuning, byte by byte.
 inline void expect_same_weights(const std::filesystem::path& a, const std::filesystem::path& b) {
-  for (const char* name :
-       {"before.safetensors", "networks.safetensors", "weights/match_network.safetensors",
-        "weights/motion_noise.safetensors", "weights/imu_network.safetensors", "log.csv"}) {
+  for (const char* name : {"before.safetensors", "networks.safetensors",
+                           "weights/match_network.safetensors", "weights/motion_noise.safetensors",
+                           "weights/imu_network.safetensors", "weights/device.yaml", "log.csv"}) {
     const std::string bytes = slurp(a / name);
     EXPECT_FALSE(bytes.empty()) << a / name;
     EXPECT_TRUE(bytes == slurp(b / name)) << name << " differs";

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "slam/adaptation/adaptation_options.hpp"
+#include "slam/sensors/device_calibration.hpp"
+#include "slam/system/slam_result.hpp"
+
+namespace imslam::adaptation {
+
+/// How the camera is turned against the body beyond what the run assumed, R = assumed
+/// Exp(rotation).
+struct CameraRotation {
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  ///< [rad]
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();     ///< [rad]
+};
+
+/// One Newton step on
+///
+///   U(delta) = min over states of L(states, motions seen through a camera turned by delta)
+///              + |delta|^2 / (2 prior_sigma^2)
+///
+/// dU/ddelta is the one-step gradient (the states do not count at a solution); its derivative
+/// follows from solutions a little aside. Empty: the graph has no IMU to compare with, or does not
+/// converge aside.
+std::optional<CameraRotation> camera_rotation(const system::SlamResult& result,
+                                              const lie::SE3d& T_body_left,
+                                              double prior_sigma);
+
+/// The device as a run's solution has it. What the graph did not estimate, or hardly better than
+/// was known before, stays as the run assumed it, as does what `options` hold. The numbers are kept
+/// within DeviceBounds; `assumed` is what the run began with, `stated` the camera without it.
+DeviceCalibration refined_device(const system::SlamResult& result,
+                                 const DeviceCalibration& assumed,
+                                 const StereoCamera& stated,
+                                 const system::SystemOptions& priors,
+                                 const AdaptationOptions& options);
+
+}  // namespace imslam::adaptation

@@ -1,0 +1,52 @@
+#include "slam/system/known_device.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+namespace imslam::system {
+namespace {
+
+/// Between recordings the rig warms up and is knocked about.
+constexpr double kDisparityOffsetSigma_px = 0.1;
+
+std::string fingerprint_of(const datasets::Sequence& sequence) {
+  std::optional<ImuNoise> noise;
+  if (sequence.imu()) noise = sequence.imu()->noise;
+  return device_fingerprint(sequence.camera(), noise);
+}
+
+}  // namespace
+
+DeviceCalibration known_device(const SlamOptions& options,
+                               const datasets::Sequence& sequence,
+                               std::string& why_not) {
+  why_not.clear();
+  if (options.system.device.empty()) return {};
+  const DeviceCalibration device = read_device(options.system.device);
+  const std::string present = fingerprint_of(sequence);
+  if (device.device.empty() || device.device == present) return device;
+  why_not = fmt::format("{} is of another device ({}, this one is {}): its calibration is not used",
+                        options.system.device, device.device, present);
+  return {};
+}
+
+DeviceCalibration present_device(const SlamOptions& options, const datasets::Sequence& sequence) {
+  std::string why_not;
+  DeviceCalibration device = known_device(options, sequence, why_not);
+  device.device = fingerprint_of(sequence);
+  return device;
+}
+
+SlamOptions with_device(const SlamOptions& options, const DeviceCalibration& device) {
+  SlamOptions known = options;
+  if (device.disparity_offset_px != 0.0) {
+    known.vo.offset.prior = device.disparity_offset_px;
+    known.vo.offset.prior_sigma = std::min(known.vo.offset.prior_sigma, kDisparityOffsetSigma_px);
+  }
+  if (device.time_offset_s != 0.0) known.system.time_offset_s = device.time_offset_s;
+  return known;
+}
+
+}  // namespace imslam::system

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "datasets/sequence.hpp"
+#include "slam/sensors/device_calibration.hpp"
+#include "slam/system/slam_options.hpp"
+
+namespace imslam::system {
+
+/// What is known of the device that recorded a sequence: that of the file options.system.device, if
+/// it is of this device. If not, nothing, and `why_not` says so; without a file both are empty.
+/// Throws what read_device() throws.
+DeviceCalibration known_device(const SlamOptions& options,
+                               const datasets::Sequence& sequence,
+                               std::string& why_not);
+
+/// The same, with its fingerprint, to be refined and written.
+DeviceCalibration present_device(const SlamOptions& options, const datasets::Sequence& sequence);
+
+/// The options with what is known of a device in place of guesses.
+SlamOptions with_device(const SlamOptions& options, const DeviceCalibration& device);
+
+}  // namespace imslam::system
