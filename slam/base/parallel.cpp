@@ -23,7 +23,7 @@ struct Iteration {
   const void* forked;
   const void* joined;
 
-  IMSLAM_UNSEEN_BY_THREAD_SANITIZER void operator()(std::size_t i) const {
+  void operator()(std::size_t i) const {
     happens_after(forked);
     (*body)(i);
     happens_before(joined);

@@ -13,21 +13,10 @@ IMSLAM_SANITIZER_DEFAULT const char* __asan_default_options() {
 
 IMSLAM_SANITIZER_DEFAULT const char* __ubsan_default_options() { return "print_stacktrace=1"; }
 
-// Leaks of others, none of them grows with the work.
-IMSLAM_SANITIZER_DEFAULT const char* __lsan_default_suppressions() { return ""; }
-
 // `imslam bench --jobs` forks before it starts threads of its own, but pools of libraries may
 // exist.
 IMSLAM_SANITIZER_DEFAULT const char* __tsan_default_options() {
   return "die_after_fork=0:second_deadlock_stack=1:history_size=4:ignore_noninstrumented_modules=1";
-}
-
-// The tasks of oneTBB are inlined from its headers, but handed from thread to thread inside
-// libtbb.so, which was not built with ThreadSanitizer. Only frames of oneTBB itself are let off;
-// slam/base/parallel.cpp tells the sanitizer what the fork and the join of a loop order, so races
-// between our iterations are found.
-IMSLAM_SANITIZER_DEFAULT const char* __tsan_default_suppressions() {
-  return "race_top:tbb::detail\n";
 }
 
 // NOLINTEND(bugprone-reserved-identifier)
