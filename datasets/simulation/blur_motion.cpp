@@ -30,7 +30,8 @@ std::vector<Twist> instance_twists(const World& world, const CameraMotion& motio
   for (std::uint32_t i = 1; i < twists.size(); ++i) {
     if (!world.moves(i)) continue;
     const lie::SE3d step = world.instance_motion(i, time_s - kStep, time_s + kStep);
-    const auto in_camera = (T_camera_world * step * motion.T_world_camera).log() / (2.0 * kStep);
+    const lie::SE3d::Tangent in_camera =
+        (T_camera_world * step * motion.T_world_camera).log() / (2.0 * kStep);
     twists[i].v += in_camera.head<3>().cast<float>();
     twists[i].omega += in_camera.tail<3>().cast<float>();
   }

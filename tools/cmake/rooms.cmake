@@ -27,8 +27,10 @@ if(IMSLAM_SANITIZE)
   target_link_options(imslam_build_flags INTERFACE -fsanitize=${IMSLAM_SANITIZE})
   # Debian's Ceres allocates Eigen memory without ASan; both sides must agree on how it is freed.
   target_compile_definitions(imslam_build_flags INTERFACE EIGEN_MALLOC_ALREADY_ALIGNED=1)
+  target_sources(imslam_build_flags INTERFACE
+    $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:${PROJECT_SOURCE_DIR}/tools/sanitizers/defaults.cpp>)
 elseif(CMAKE_BUILD_TYPE STREQUAL "Release")
-  target_compile_definitions(imslam_build_flags INTERFACE $<$<NOT:$<BOOL:${IMSLAM_SANITIZE}>>:_FORTIFY_SOURCE=2>)
+  target_compile_definitions(imslam_build_flags INTERFACE _FORTIFY_SOURCE=2)
 endif()
 
 function(imslam_room name)
@@ -60,12 +62,13 @@ function(imslam_embed_weights file definition without)
 endfunction()
 
 # imslam_test(pgo SOURCES ... DEPENDS imslam::pgo ...): one test executable per room.
+set(IMSLAM_TEST_TIMEOUT_S 600 CACHE STRING "Seconds that one test may take; sanitizers need more")
 function(imslam_test name)
   cmake_parse_arguments(TEST "" "" "SOURCES;DEPENDS" ${ARGN})
   add_executable(imslam_${name}_test ${TEST_SOURCES})
   target_link_libraries(imslam_${name}_test PRIVATE imslam_build_flags ${TEST_DEPENDS} GTest::gtest GTest::gtest_main)
   set_target_properties(imslam_${name}_test PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
   gtest_discover_tests(imslam_${name}_test
-    TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT 600
+    TEST_PREFIX "${name}." DISCOVERY_MODE PRE_TEST PROPERTIES TIMEOUT ${IMSLAM_TEST_TIMEOUT_S}
     WORKING_DIRECTORY ${PROJECT_SOURCE_DIR})
 endfunction()

@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 
 #include "slam/base/packed_strings.hpp"
 #include "slam/base/random.hpp"
@@ -109,6 +110,19 @@ TEST(ProcessGroup, NoProcessAtAllIsAUsageError) {
   ProcessOptions options;
   options.jobs = 0;
   EXPECT_THROW(run_in_processes(options, [](ProcessGroup&) { return ExitCode::kOk; }), InputError);
+}
+
+TEST(ProcessGroup, MpirunOfAProgramBuiltWithoutMpiIsAUsageError) {
+  if (built_with_mpi()) GTEST_SKIP() << "built with MPI";
+  ::setenv("OMPI_COMM_WORLD_SIZE", "2", 1);
+  try {
+    run_in_processes(ProcessOptions(), [](ProcessGroup&) { return ExitCode::kOk; });
+    ADD_FAILURE() << "every rank would have done all of the work";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.code(), ExitCode::kUsage);
+    EXPECT_NE(std::string(error.what()).find("--jobs"), std::string::npos) << error.what();
+  }
+  ::unsetenv("OMPI_COMM_WORLD_SIZE");
 }
 
 TEST(PackedStrings, ComeBackAsTheyWere) {
