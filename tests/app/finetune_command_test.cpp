@@ -63,7 +63,7 @@ TEST(FinetuneCommand, WhatItFoundOfTheDeviceIsUsedForThatDeviceOnly) {
   const std::string run = "run " + quoted(testing::simulated_base().sequence.string()) +
                           " --frames 0:10 --front-end learned --imu learned --networks " +
                           quoted(weights.string()) + " --out ";
-  const auto own = run_imslam(dir, run + "own");
+  const auto own = run_imslam(dir, run + quoted((dir.path() / "own").string()));
   ASSERT_EQ(own.exit_code, 0) << own.err;
   EXPECT_EQ(own.err.find("another device"), std::string::npos) << own.err;
   std::string text = slurp(weights / "device.yaml");
@@ -71,7 +71,7 @@ TEST(FinetuneCommand, WhatItFoundOfTheDeviceIsUsedForThatDeviceOnly) {
   ASSERT_NE(place, std::string::npos) << text;
   text.replace(place, 4, "beef");
   std::ofstream(weights / "device.yaml") << text;
-  const auto other = run_imslam(dir, run + "other");
+  const auto other = run_imslam(dir, run + quoted((dir.path() / "other").string()));
   ASSERT_EQ(other.exit_code, 0) << other.err;
   EXPECT_NE((other.out + other.err).find("another device"), std::string::npos) << other.err;
 }
