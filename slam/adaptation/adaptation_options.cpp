@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "slam/base/error.hpp"
 #include "vo_net/options_check.hpp"
 
 namespace imslam::adaptation {
@@ -32,8 +33,16 @@ void AdaptationOptions::describe(Config& config) {
                "what the graph says of focal length, disparity offset and clock is kept");
   config.field("camera_rotation", camera_rotation,
                "and of how the camera is turned against the IMU");
-  config.field("upper", upper, {"left_out", "joint"},
-               "each measurement against what the others foretell, or the graph's own cost");
+  config.field("trusted_gyro_bias", trusted_gyro_bias,
+               "[rad/s] size of gyro biases up to which the gyro may correct focal length and "
+               "rotation");
+  config.field("upper", upper, {"left_out", "joint", "published"},
+               "each measurement against what the others foretell, the graph's own cost, or the "
+               "published one over vision alone");
+  config.field("strategy", strategy, {"one_step", "implicit"},
+               "how the gradient of upper: published goes through the solver");
+  config.field("published_weight", published_weight,
+               "of upper: published, 1 for KITTI, 4 for EuRoC");
   config.field("graph_weight", graph_weight, "of the motions' likelihood under the graph");
   config.field("match_weight", match_weight, "of the matches' likelihood at the graph's motions");
   config.field("imu_weight", imu_weight, "of the inertial likelihoods");
@@ -54,6 +63,14 @@ void AdaptationOptions::validate() const {
   vo::require(held_out > 0.0 && held_out <= 0.5, "finetune.held_out", held_out,
               "above 0, at most 0.5");
   vo::require(stretch >= 2, "finetune.stretch", stretch, "2 or more");
+  vo::require(trusted_gyro_bias >= 0.0, "finetune.trusted_gyro_bias", trusted_gyro_bias, ">= 0");
+  vo::require(published_weight > 0.0, "finetune.published_weight", published_weight, "> 0");
+  if (strategy != "one_step" && upper != "published") {
+    throw InputError(
+        "finetune.strategy: implicit is of finetune.upper: published; the other upper costs have "
+        "their whole gradient in one step",
+        ExitCode::kUsage);
+  }
   vo::require(graph_weight >= 0.0, "finetune.graph_weight", graph_weight, ">= 0");
   vo::require(match_weight >= 0.0, "finetune.match_weight", match_weight, ">= 0");
   vo::require(imu_weight >= 0.0, "finetune.imu_weight", imu_weight, ">= 0");

@@ -25,13 +25,19 @@ struct AdaptationOptions : learner::TrainingOptions {
   bool imu = true;              ///< of system.imu: learned
   bool calibration = true;      ///< of the device: focal length, disparity offset, clock
   bool camera_rotation = true;  ///< likewise, of the camera against the IMU
+  /// [rad/s] ImuNoise::gyro_bias_sigma up to which a gyro may correct focal length and rotation:
+  /// units that compensate themselves. Larger for a gyro whose scale and axes were calibrated.
+  double trusted_gyro_bias = 5e-3;
 
-  std::string upper = "left_out";  ///< each measurement against the others, or joint: U = L
-  double graph_weight = 1.0;       ///< of the motions' likelihood under the graph, per dimension
-  double match_weight = 1.0;       ///< of the matches' likelihood at the graph's motions, per point
-  double imu_weight = 1.0;         ///< of the inertial likelihoods, beside one step's motions
-  double imu_rate = 2.0;           ///< learning rate beside that of the matcher
-  double noise_rate = 5.0;         ///< likewise, of motion_noise, which begins with nothing
+  /// Each measurement against the others, joint: U = L, or published: U over vision alone.
+  std::string upper = "left_out";
+  std::string strategy = "one_step";  ///< of upper: published, see WholeGradient; or implicit
+  double published_weight = 1.0;      ///< [1/m, 1/rad] of upper: published: 1 (KITTI), 4 (EuRoC)
+  double graph_weight = 1.0;          ///< of the motions' likelihood under the graph, per dimension
+  double match_weight = 1.0;  ///< of the matches' likelihood at the graph's motions, per point
+  double imu_weight = 1.0;    ///< of the inertial likelihoods, beside one step's motions
+  double imu_rate = 2.0;      ///< learning rate beside that of the matcher
+  double noise_rate = 5.0;    ///< likewise, of motion_noise, which begins with nothing
 
   double held_out = 0.2;     ///< [1] share of the frames that no network learns from
   int stretch = 20;          ///< [frames] that are held out in a row

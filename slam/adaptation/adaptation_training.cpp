@@ -89,7 +89,9 @@ void AdaptationTraining::prepare_step() {
 void AdaptationTraining::refine_device() {
   const auto& result = epoch_->outcome.result;
   if (!epoch_->teacher) return;
-  networks_.set_device(refined_device(result, epoch_->device, request_.sequence.camera(),
+  std::optional<ImuNoise> imu;
+  if (request_.sequence.imu()) imu = request_.sequence.imu()->noise;
+  networks_.set_device(refined_device(result, epoch_->device, request_.sequence.camera(), imu,
                                       request_.slam.system, request_.options));
 }
 

@@ -10,9 +10,9 @@ namespace {
 
 using Vector = learner::Vector;
 
-constexpr double kRotationPrior = 0.01;  // [rad] of a camera screwed to its IMU
-constexpr double kAside = 1e-3;          // [rad] where the slope is taken once more
-constexpr double kQuotient = 1e-6;       // [rad] of difference quotients
+constexpr double kRotationPrior = 0.01;    // [rad] of a camera screwed to its IMU
+constexpr double kAside = 1e-3;            // [rad] where the slope is taken once more
+constexpr double kQuotient = 1e-6;         // [rad] of difference quotients
 /// A number is known better than before if its variance is less than a quarter of the prior's.
 constexpr double kKnown = 0.5;
 
@@ -61,16 +61,20 @@ bool is_known(const std::optional<double>& sigma, double prior) {
   return sigma && *sigma < kKnown * prior;
 }
 
-void take_estimates(const system::SlamResult& result,
-                    const system::SystemOptions& priors,
-                    DeviceCalibration& device) {
+void take_focal_length(const system::SlamResult& result,
+                       const system::SystemOptions& priors,
+                       DeviceCalibration& device) {
+  const auto& focal = result.focal_error;
+  if (!focal || !is_known(focal->sigma, priors.focal_error_prior)) return;
+  device.focal_error = (1.0 + device.focal_error) * (1.0 + focal->value) - 1.0;
+}
+
+void take_offsets(const system::SlamResult& result,
+                  const system::SystemOptions& priors,
+                  DeviceCalibration& device) {
   const auto& disparity = result.disparity_offset_px;
   if (is_known(disparity.sigma, priors.disparity_offset_prior_px)) {
     device.disparity_offset_px = disparity.value;
-  }
-  const auto& focal = result.focal_error;
-  if (focal && is_known(focal->sigma, priors.focal_error_prior)) {
-    device.focal_error = (1.0 + device.focal_error) * (1.0 + focal->value) - 1.0;
   }
   const auto& offset = result.time_offset_s;
   if (offset && is_known(offset->sigma, priors.time_offset_prior_s)) {
@@ -118,12 +122,16 @@ std::optional<CameraRotation> camera_rotation(const system::SlamResult& result,
 DeviceCalibration refined_device(const system::SlamResult& result,
                                  const DeviceCalibration& assumed,
                                  const StereoCamera& stated,
+                                 const std::optional<ImuNoise>& imu,
                                  const system::SystemOptions& priors,
                                  const AdaptationOptions& options) {
   DeviceCalibration refined = assumed;
   if (!result.solve.converged) return refined;
-  if (options.calibration) take_estimates(result, priors, refined);
-  if (options.camera_rotation) take_rotation(result, calibrated(stated, assumed), refined);
+  if (options.calibration) take_offsets(result, priors, refined);
+  if (imu && imu->gyro_bias_sigma <= options.trusted_gyro_bias) {
+    if (options.calibration) take_focal_length(result, priors, refined);
+    if (options.camera_rotation) take_rotation(result, calibrated(stated, assumed), refined);
+  }
   return within_bounds(refined);
 }
 

@@ -70,8 +70,7 @@ std::unique_ptr<Epoch> run_epoch(const EpochRequest& request,
     throw InputError("stopped in the middle of an epoch; --resume goes on", ExitCode::kInterrupted);
   }
   epoch->traces = in_order(std::move(tracer.traces()), frames);
-  epoch->teacher =
-      GraphTeacher::of(epoch->outcome.result, request.options.upper == "joint", epoch->reason);
+  epoch->teacher = GraphTeacher::of(epoch->outcome.result, request.options, epoch->reason);
   if (epoch->teacher && epoch->outcome.result.inertial) {
     epoch->log = epoch->teacher->inertial_log(request.sequence.imu()->samples,
                                               request.sequence.imu()->noise);

@@ -17,8 +17,14 @@ double root_mean(const Eigen::Vector3d& variances) {
 
 }  // namespace
 
-GraphTeacher::GraphTeacher(pgo::PoseVelocityGraph graph, pgo::Posterior posterior, bool joint)
-    : graph_(std::move(graph)), posterior_(std::move(posterior)), joint_(joint) {
+GraphTeacher::GraphTeacher(pgo::PoseVelocityGraph graph,
+                           pgo::Posterior posterior,
+                           bool joint,
+                           std::optional<WholeGradient> whole)
+    : graph_(std::move(graph)),
+      posterior_(std::move(posterior)),
+      joint_(joint),
+      whole_(std::move(whole)) {
   const auto& edges = graph_.visual_edges();
   for (std::size_t e = 0; e < edges.size(); ++e) {
     visual_edges_.insert({{edges[e].motion.time0_ns, edges[e].motion.time1_ns}, e});
@@ -26,7 +32,7 @@ GraphTeacher::GraphTeacher(pgo::PoseVelocityGraph graph, pgo::Posterior posterio
 }
 
 std::optional<GraphTeacher> GraphTeacher::of(const system::SlamResult& result,
-                                             bool joint,
+                                             const AdaptationOptions& options,
                                              std::string& reason) {
   if (!result.solve.converged) {
     reason = "the graph has not converged: " + result.solve.reason;
@@ -34,18 +40,24 @@ std::optional<GraphTeacher> GraphTeacher::of(const system::SlamResult& result,
   }
   pgo::PoseVelocityGraph graph(result.graph_options);
   graph.data() = result.graph_data;
-  return of(std::move(graph), joint, reason);
+  return of(std::move(graph), options, reason);
 }
 
 std::optional<GraphTeacher> GraphTeacher::of(pgo::PoseVelocityGraph graph,
-                                             bool joint,
+                                             const AdaptationOptions& options,
                                              std::string& reason) {
   auto posterior = pgo::Posterior::of(graph);
   if (!posterior) {
     reason = "the graph does not determine its states";
     return std::nullopt;
   }
-  return GraphTeacher(std::move(graph), std::move(*posterior), joint);
+  std::optional<WholeGradient> whole;
+  if (options.upper == "published") {
+    whole = WholeGradient::of(graph, options, reason);
+    if (!whole) return std::nullopt;
+  }
+  return GraphTeacher(std::move(graph), std::move(*posterior), options.upper == "joint",
+                      std::move(whole));
 }
 
 std::optional<std::size_t> GraphTeacher::visual_edge(std::int64_t time0_ns,
@@ -56,6 +68,8 @@ std::optional<std::size_t> GraphTeacher::visual_edge(std::int64_t time0_ns,
 }
 
 vo::MotionCost GraphTeacher::cost_of(std::size_t visual_edge) const {
+  if (whole_)
+    return [this, visual_edge](const RelativeMotion&) { return whole_->visual(visual_edge); };
   pgo::Foretold<6> others;
   if (!joint_) others = pgo::foretold_visual(graph_, posterior_.residuals(), visual_edge);
   return [this, visual_edge, others](const RelativeMotion& motion) {
@@ -65,6 +79,7 @@ vo::MotionCost GraphTeacher::cost_of(std::size_t visual_edge) const {
 }
 
 pgo::EdgeLikelihood<9> GraphTeacher::inertial(std::size_t edge, const ImuMotion& motion) const {
+  if (whole_) return whole_->inertial(edge);
   pgo::Foretold<9> others;
   if (!joint_) others = pgo::foretold_inertial(graph_, posterior_.residuals(), edge);
   return pgo::inertial_likelihood(graph_, edge, motion, others);

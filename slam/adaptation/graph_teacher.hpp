@@ -7,6 +7,8 @@
 
 #include "pgo/edge_likelihood.hpp"
 #include "pgo/posterior.hpp"
+#include "slam/adaptation/adaptation_options.hpp"
+#include "slam/adaptation/whole_gradient.hpp"
 #include "slam/system/slam_result.hpp"
 #include "slam/training/inertial_log.hpp"
 #include "vo_net/motion_cost.hpp"
@@ -18,17 +20,19 @@ namespace imslam::adaptation {
 ///   U = sum over edges of the likelihood of each measurement, foretold by all the others
 ///       (upper: left_out), or at the solution itself, U = L (upper: joint); pgo::EdgeLikelihood
 ///
+/// or what the published code minimises (upper: published); WholeGradient
+///
 /// The states are the stationary point of the joint likelihood: of U = L the derivative by a
 /// measurement at the solution is the whole one ("one step") as long as the solve has converged.
 class GraphTeacher {
  public:
   /// Empty, with the reason, if the graph cannot teach: not converged, or not determined.
   static std::optional<GraphTeacher> of(const system::SlamResult& result,
-                                        bool joint,
+                                        const AdaptationOptions& options,
                                         std::string& reason);
   /// Of a graph that has been solved, e.g. a sliding window.
   static std::optional<GraphTeacher> of(pgo::PoseVelocityGraph graph,
-                                        bool joint,
+                                        const AdaptationOptions& options,
                                         std::string& reason);
 
   const pgo::PoseVelocityGraph& graph() const { return graph_; }
@@ -55,11 +59,15 @@ class GraphTeacher {
                                      const ImuNoise& noise) const;
 
  private:
-  GraphTeacher(pgo::PoseVelocityGraph graph, pgo::Posterior posterior, bool joint);
+  GraphTeacher(pgo::PoseVelocityGraph graph,
+               pgo::Posterior posterior,
+               bool joint,
+               std::optional<WholeGradient> whole);
 
   pgo::PoseVelocityGraph graph_;
   pgo::Posterior posterior_;
   bool joint_;
+  std::optional<WholeGradient> whole_;  ///< of an upper cost that is not the graph's own
   std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> visual_edges_;  ///< by their times
 };
 

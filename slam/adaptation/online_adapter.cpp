@@ -7,6 +7,7 @@
 
 #include "slam/adaptation/inertial_lesson.hpp"
 #include "slam/adaptation/visual_lesson.hpp"
+#include "slam/base/error.hpp"
 #include "slam/base/parallel.hpp"
 #include "slam/base/time.hpp"
 #include "slam/nn/ops/pointwise.hpp"
@@ -22,6 +23,10 @@ constexpr double kLeastPast_s = 5.0;  // a shorter past tells little of a sensor
 
 AdaptationOptions online(AdaptationOptions options) {
   options.validate();
+  if (options.upper == "published") {
+    throw InputError("finetune.upper: published is of whole sequences; use imslam finetune",
+                     ExitCode::kUsage);
+  }
   options.edges = std::min(options.edges, options.online_every);
   return options;
 }
@@ -122,7 +127,7 @@ Var OnlineAdapter::lesson(nn::Tape<float>& tape, const GraphTeacher& teacher, st
 
 void OnlineAdapter::learn(const pgo::PoseVelocityGraph& window) {
   std::string reason;
-  const auto teacher = GraphTeacher::of(window, options_.upper == "joint", reason);
+  const auto teacher = GraphTeacher::of(window, options_, reason);
   ++steps_;
   if (!teacher) {
     ++skipped_;

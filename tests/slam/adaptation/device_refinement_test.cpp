@@ -78,18 +78,30 @@ system::SlamResult with_estimates(double focal_sigma) {
   return result;
 }
 
+ImuNoise tactical() {
+  ImuNoise noise;
+  noise.gyro_bias_sigma = 5e-4;
+  return noise;
+}
+
+TEST(RefinedDevice, TheScaleOfAPhonesGyroIsNotTakenForTheFocalLength) {
+  const ImuNoise phone;
+  EXPECT_EQ(refined_device(with_estimates(0.001), {}, camera(), phone, {}, {}).focal_error, 0.0);
+  EXPECT_EQ(refined_device(with_estimates(0.001), {}, camera(), {}, {}, {}).focal_error, 0.0);
+}
+
 TEST(RefinedDevice, AddsToWhatTheRunAssumed) {
   DeviceCalibration assumed;
   assumed.focal_error = 0.01;
   assumed.time_offset_s = 0.001;
-  const auto refined = refined_device(with_estimates(0.001), assumed, camera(), {}, {});
+  const auto refined = refined_device(with_estimates(0.001), assumed, camera(), tactical(), {}, {});
   EXPECT_NEAR(refined.focal_error, 1.01 * 1.02 - 1.0, 1e-12);
   EXPECT_EQ(refined.disparity_offset_px, 0.15);
   EXPECT_EQ(refined.time_offset_s, 0.001) << "nobody says how sure the new one is";
 }
 
 TEST(RefinedDevice, KeepsWhatTheGraphHardlyKnows) {
-  const auto refined = refined_device(with_estimates(0.015), {}, camera(), {}, {});
+  const auto refined = refined_device(with_estimates(0.015), {}, camera(), tactical(), {}, {});
   EXPECT_EQ(refined.focal_error, 0.0);
 }
 
@@ -99,7 +111,8 @@ TEST(RefinedDevice, KeepsWhatIsNotToBeRefined) {
   options.camera_rotation = false;
   DeviceCalibration assumed;
   assumed.disparity_offset_px = 0.5;
-  const auto refined = refined_device(with_estimates(0.001), assumed, camera(), {}, options);
+  const auto refined =
+      refined_device(with_estimates(0.001), assumed, camera(), tactical(), {}, options);
   EXPECT_EQ(refined.disparity_offset_px, 0.5);
   EXPECT_EQ(refined.focal_error, 0.0);
   EXPECT_EQ(refined.camera_rotation, Eigen::Vector3d::Zero());
