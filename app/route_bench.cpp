@@ -2,10 +2,10 @@
 
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
-#include <chrono>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "app/route_command.hpp"
@@ -25,6 +25,8 @@ constexpr const char* kFooter =
     "...`\n"
     "are published means over other instances, for orientation; nothing of them is run here.\n"
     "Further trained networks get rows of their own: --weights RL=FILE.\n"
+    "--processor-time counts what the program had of the processor instead of the wall's seconds,\n"
+    "divided by --threads: on machines with other work.\n"
     "\n"
     "Example:\n"
     "  imslam route bench --agents 5,10,15 --cities 400,700,1000 --instances 20 --time 1,5";
@@ -35,7 +37,12 @@ struct BenchArguments {
   std::string times = "1";
   int instances = 20;
   int seed = 1;
+  bool processor_time = false;
+  bool only_searches = false;
+  double heat = routing::SolveOptions().heat;
+  double network_heat = routing::SolveOptions().network_heat;
   std::vector<std::string> weights;  ///< NAME=FILE
+  std::string instances_out;
   std::string out;
 };
 
@@ -84,8 +91,12 @@ std::vector<BenchMethod> methods_for(int agents, const BenchArguments& arguments
   routing::SolveOptions options;
   options.agents = agents;
   options.seed = arguments.seed;
+  options.heat = arguments.heat;
+  options.network_heat = arguments.network_heat;
+  if (arguments.processor_time) options.time_of = routing::TimeOf::kProcessor;
   options.method = routing::Method::kInsertion;
-  std::vector<BenchMethod> methods = {{"insertion", options, nullptr}};
+  std::vector<BenchMethod> methods;
+  if (!arguments.only_searches) methods.push_back({"insertion", options, nullptr});
   for (const std::string& weights : arguments.weights) {
     const std::size_t equals = weights.find('=');
     const std::string suffix = fmt::format("_{}.safetensors", agents);
@@ -98,10 +109,10 @@ std::vector<BenchMethod> methods_for(int agents, const BenchArguments& arguments
   }
   const bool shipped = routing::shipped_weights(agents).has_value();
   const Network network = shipped ? routing::load_network(agents, "") : nullptr;
-  if (network) add_network_rows("shipped network", network, options, methods);
+  if (network && !arguments.only_searches)
+    add_network_rows("shipped network", network, options, methods);
   for (const double time_s : positive_numbers("--time", arguments.times)) {
     options.time_s = time_s;
-    options.draws = 16;
     options.method = routing::Method::kSearch;
     methods.push_back({fmt::format("search {} s", time_s), options, nullptr});
     if (!network) continue;
@@ -114,11 +125,10 @@ std::vector<BenchMethod> methods_for(int agents, const BenchArguments& arguments
 Cell run_method(const BenchMethod& method, const std::vector<routing::Instance>& instances) {
   Cell cell;
   for (const routing::Instance& instance : instances) {
-    const auto start = std::chrono::steady_clock::now();
+    const auto clock = routing::clock_from_now(method.options.time_of);
     const double longest = routing::solve(instance, method.options, method.network.get()).longest();
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    cell.seconds += clock() / static_cast<double>(instances.size());
     cell.longest += longest / static_cast<double>(instances.size());
-    cell.seconds += taken.count() / static_cast<double>(instances.size());
   }
   return cell;
 }
@@ -188,6 +198,17 @@ class BenchTable {
   std::map<std::string, std::map<int, Cell>> cells_;
 };
 
+/// For other programs: [{"depot": 0, "points": [[x, y], ...]}, ...]
+void export_instances(const fs::path& file, const std::vector<routing::Instance>& instances) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const routing::Instance& instance : instances) {
+    nlohmann::json points = nlohmann::json::array();
+    for (const routing::Point& p : instance.points) points.push_back({p.x, p.y});
+    all.push_back({{"depot", instance.depot}, {"points", points}});
+  }
+  write_file_atomic(file, all.dump());
+}
+
 ExitCode bench(const BenchArguments& arguments, bool quiet) {
   const std::vector<int> all_cities = whole_numbers("--cities", arguments.cities);
   std::string csv = "agents,cities,method,longest,seconds\n";
@@ -200,6 +221,10 @@ ExitCode bench(const BenchArguments& arguments, bool quiet) {
       std::vector<routing::Instance> instances;
       for (int i = 0; i < arguments.instances; ++i) {
         instances.push_back(numbered_instance(cities, arguments.seed, i));
+      }
+      if (!arguments.instances_out.empty()) {
+        export_instances(fs::path(arguments.instances_out) / fmt::format("{}.json", cities),
+                         instances);
       }
       for (const BenchMethod& method : methods) {
         table.add(method.name, cities, run_method(method, instances));
@@ -231,6 +256,17 @@ void add_route_bench(CLI::App& parent, Action& action, const CommonOptions& comm
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
   command->add_option("--seed", arguments->seed, "Of the instances")->capture_default_str();
+  command->add_flag("--processor-time", arguments->processor_time,
+                    "Seconds are those that the program had of a processor");
+  command->add_flag("--only-searches", arguments->only_searches, "No other methods");
+  command->add_option("--heat", arguments->heat, "First temperature after insertion")
+      ->capture_default_str();
+  command->add_option("--network-heat", arguments->network_heat, "Likewise after the network")
+      ->capture_default_str();
+  command
+      ->add_option("--instances-out", arguments->instances_out,
+                   "Folder that gets the instances, for other programs")
+      ->type_name("FOLDER");
   command
       ->add_option("--weights", arguments->weights,
                    "Networks to compare; agents by the end of the name, _5.safetensors")

@@ -25,7 +25,7 @@ constexpr const char* kFooter =
     "  search          insertion, then ruin and recreate that attacks the longest tour\n"
     "  insertion       each city where it lengthens the longest tours least: milliseconds\n"
     "  network         the trained network shares the cities out, one tour search per agent\n"
-    "  network_search  the network's answer as the start of the search\n"
+    "  network_search  the search from the network's answer, if that is better than insertion\n"
     "With --time alone two calls may differ; --iterations N --time 0 gives the same tours each "
     "time.\n"
     "\n"
@@ -117,6 +117,8 @@ void add_route_solve(CLI::App& parent, Action& action, const CommonOptions&) {
       ->capture_default_str();
   command->add_option("--iterations", arguments->options.iterations,
                       "Of the search, 0: no limit; the same tours each time");
+  command->add_option("--chains", arguments->options.chains,
+                      "Searches side by side; 0: one per thread, one with --iterations");
   command->add_option("--seed", arguments->options.seed, "Of the search")->capture_default_str();
   command->add_option("--method", arguments->method, "How tours are found")
       ->check(CLI::IsMember(routing::method_names()))

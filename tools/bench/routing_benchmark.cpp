@@ -8,7 +8,8 @@
 #include <chrono>
 #include <numeric>
 
-#include "slam/plugins/routing/min_max_search.hpp"
+#include "slam/base/parallel.hpp"
+#include "slam/plugins/routing/chained_search.hpp"
 #include "slam/plugins/routing/tour_solver.hpp"
 
 namespace {
@@ -22,11 +23,15 @@ struct Settings {
   double time_s = 1.0;
   int iterations = 0;
   int near = 16;
+  int threads = 1;
+  int chains = 1;
+  int seed = 1;
   MinMaxOptions search;
 };
 
-Instance numbered(int cities, int index) {
-  imslam::Random random = imslam::Random(1).fork(static_cast<std::uint64_t>(index));
+Instance numbered(const Settings& settings, int cities, int index) {
+  imslam::Random random = imslam::Random(static_cast<std::uint64_t>(settings.seed))
+                              .fork(static_cast<std::uint64_t>(index));
   return random_instance(cities, random);
 }
 
@@ -34,13 +39,14 @@ void measure_search(const Settings& settings) {
   double longest = 0.0;
   double iterations = 0.0;
   for (int i = 0; i < settings.instances; ++i) {
-    const Instance instance = numbered(settings.cities, i);
+    const Instance instance = numbered(settings, settings.cities, i);
     const Distances distances(instance);
     const Neighbours near(distances, settings.near);
     Fleet fleet(distances, 0, settings.agents);
-    MinMaxSearch search(MinMaxSearch::greedy(std::move(fleet), near), near, settings.search,
-                        imslam::Random(1));
-    search.run(StopRule::of(settings.iterations > 0 ? 0.0 : settings.time_s, settings.iterations));
+    ChainedSearch search(MinMaxSearch::greedy(std::move(fleet), near), near, settings.search,
+                         settings.chains, imslam::Random(1));
+    search.run(StopRule::of(settings.iterations > 0 ? 0.0 : settings.time_s, settings.iterations,
+                            TimeOf::kProcessor));
     longest += search.best().length(search.best().longest()) / settings.instances;
     iterations += static_cast<double>(search.iterations()) / settings.instances;
   }
@@ -52,7 +58,7 @@ void measure_tour(const Settings& settings) {
   const int size = settings.cities / settings.agents;
   double fast = 0.0, seconds = 0.0, slow = 0.0;
   for (int i = 0; i < settings.instances; ++i) {
-    const Instance instance = numbered(size, i);
+    const Instance instance = numbered(settings, size, i);
     std::vector<int> cities(static_cast<std::size_t>(size));
     std::iota(cities.begin(), cities.end(), 0);
     const auto start = std::chrono::steady_clock::now();
@@ -83,9 +89,13 @@ int main(int argc, char** argv) {
   app.add_option("--blink", settings.search.blink);
   app.add_option("--heat", settings.search.heat);
   app.add_option("--cold", settings.search.cold);
+  app.add_option("--chains", settings.chains);
+  app.add_option("--threads", settings.threads);
+  app.add_option("--seed", settings.seed, "Of the instances");
   bool lower = false;
   app.add_flag("--lower", lower, "Also the lower level");
   CLI11_PARSE(app, argc, argv);
+  imslam::set_thread_count(settings.threads);
   measure_search(settings);
   if (lower) measure_tour(settings);
   return 0;

@@ -1,6 +1,5 @@
 #include "slam/plugins/routing/allocation_network.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -20,53 +19,7 @@ nn::Var scaled(nn::Tape<S>& tape, nn::Var x, double factor) {
   return nn::multiply(tape, x, tape.constant(nn::Tensor<S>({1}, {static_cast<S>(factor)})));
 }
 
-struct Field {
-  Point low;
-  double extent = 1.0;
-};
-
-Field field_of(const std::vector<Point>& points) {
-  Field field{points.front()};
-  Point high = points.front();
-  for (const Point& p : points) {
-    field.low = {std::min(field.low.x, p.x), std::min(field.low.y, p.y)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-  }
-  field.extent = std::max({high.x - field.low.x, high.y - field.low.y, 1e-300});
-  return field;
-}
-
 }  // namespace
-
-nn::Tensor<float> city_features(const Instance& instance) {
-  const auto n = static_cast<nn::Index>(instance.points.size());
-  const Field field = field_of(instance.points);
-  const Point depot = instance.points[static_cast<std::size_t>(instance.depot)];
-  nn::Tensor<float> features({n, kCityFeatures});
-  const auto fill = [&](nn::Index row, const Point& p) {
-    const double dx = (p.x - depot.x) / field.extent;
-    const double dy = (p.y - depot.y) / field.extent;
-    const double away = std::hypot(dx, dy);
-    const double unit = std::max(away, 1e-6);
-    const double values[kCityFeatures] = {(p.x - field.low.x) / field.extent - 0.5,
-                                          (p.y - field.low.y) / field.extent - 0.5,
-                                          dx,
-                                          dy,
-                                          away,
-                                          dx / unit,
-                                          dy / unit,
-                                          row == 0 ? 1.0 : 0.0};
-    for (int k = 0; k < kCityFeatures; ++k) {
-      features[row * kCityFeatures + k] = static_cast<float>(values[k]);
-    }
-  };
-  nn::Index row = 0;
-  fill(row++, depot);
-  for (nn::Index i = 0; i < n; ++i) {
-    if (i != instance.depot) fill(row++, instance.points[static_cast<std::size_t>(i)]);
-  }
-  return features;
-}
 
 template <typename S>
 AllocationNetwork<S>::AllocationNetwork(int number_of_agents,

@@ -3,7 +3,7 @@
 #include "slam/base/random.hpp"
 #include "slam/nn/layers/linear.hpp"
 #include "slam/nn/layers/norm.hpp"
-#include "slam/plugins/routing/instance.hpp"
+#include "slam/plugins/routing/city_features.hpp"
 
 namespace imslam::routing {
 
@@ -15,11 +15,6 @@ struct AllocationSizes {
   int policy = 64;  ///< in which agents and cities meet
   int layers = 3;   ///< of the graph network
 };
-
-/// Cities as the network sees them, the depot first, the others in their order: place and way to
-/// the depot in the unit of the larger side of the field.  [n, kCityFeatures]
-inline constexpr int kCityFeatures = 8;
-nn::Tensor<float> city_features(const Instance& instance);
 
 /// Which agent should visit which city.
 ///

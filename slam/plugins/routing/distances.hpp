@@ -26,6 +26,11 @@ class Distances {
     if (table_.empty()) return from_coordinates(from, to);
     return table_[static_cast<std::size_t>(from) * cities_.size() + static_cast<std::size_t>(to)];
   }
+  /// From one place to all others; null where there is no table.
+  const float* row(int from) const {
+    if (table_.empty()) return nullptr;
+    return table_.data() + static_cast<std::size_t>(from) * cities_.size();
+  }
 
  private:
   double from_coordinates(int from, int to) const {

@@ -10,22 +10,19 @@ Fleet::Fleet(const Distances& distances, int depot, int agents)
     : distances_(&distances), depot_(depot) {
   expects(agents > 0 && depot >= 0 && depot < distances.count(), "Fleet: an agent and a depot");
   const std::size_t nodes = index(distances.count() + agents);
-  next_.assign(nodes, -1);
-  previous_.assign(nodes, -1);
-  tour_of_.assign(nodes, -1);
-  onward_.assign(nodes, 0.0F);
+  nodes_.resize(nodes);
   lengths_.assign(index(agents), 0.0);
   sizes_.assign(index(agents), 0);
   for (int t = 0; t < agents; ++t) {
-    tour_of_[index(home(t))] = t;
+    nodes_[index(home(t))].tour = t;
     link(home(t), home(t));
   }
 }
 
 void Fleet::link(int from, int to) {
-  next_[index(from)] = to;
-  previous_[index(to)] = from;
-  onward_[index(from)] = static_cast<float>(edge(from, to));
+  nodes_[index(from)].next = to;
+  nodes_[index(to)].previous = from;
+  nodes_[index(from)].onward = static_cast<float>(edge(from, to));
 }
 
 int Fleet::longest() const {
@@ -37,7 +34,7 @@ void Fleet::insert(int city, int node) {
   const int after = next(node);
   lengths_[index(tour)] += detour(city, node);
   sizes_[index(tour)] += 1;
-  tour_of_[index(city)] = tour;
+  nodes_[index(city)].tour = tour;
   link(node, city);
   link(city, after);
 }
@@ -45,11 +42,11 @@ void Fleet::insert(int city, int node) {
 int Fleet::remove(int city) {
   const int tour = tour_of(city);
   const int before = previous(city);
-  const double old = onward_[index(before)] + onward_[index(city)];
+  const double old = onward(before) + onward(city);
   link(before, next(city));
-  lengths_[index(tour)] += onward_[index(before)] - old;
+  lengths_[index(tour)] += onward(before) - old;
   sizes_[index(tour)] -= 1;
-  tour_of_[index(city)] = -1;
+  nodes_[index(city)].tour = -1;
   return before;
 }
 
@@ -77,9 +74,9 @@ void Fleet::set_tour(int number, const std::vector<int>& cities) {
 
 void Fleet::sum_up_lengths() {
   for (int t = 0; t < agents(); ++t) {
-    double length = onward_[index(home(t))];
+    double length = onward(home(t));
     for (int node = next(home(t)); !is_home(node); node = next(node)) {
-      length += onward_[index(node)];
+      length += onward(node);
     }
     lengths_[index(t)] = length;
   }

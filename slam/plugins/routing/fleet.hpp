@@ -24,9 +24,10 @@ class Fleet {
   bool is_home(int node) const { return node >= cities(); }
   int place(int node) const { return is_home(node) ? depot_ : node; }
 
-  int next(int node) const { return next_[index(node)]; }
-  int previous(int node) const { return previous_[index(node)]; }
-  int tour_of(int node) const { return tour_of_[index(node)]; }  ///< -1: in none
+  int next(int node) const { return nodes_[index(node)].next; }
+  int previous(int node) const { return nodes_[index(node)].previous; }
+  int tour_of(int node) const { return nodes_[index(node)].tour; }      ///< -1: in none
+  double onward(int node) const { return nodes_[index(node)].onward; }  ///< to the next
   double length(int tour) const { return lengths_[index(tour)]; }
   const std::vector<double>& lengths() const { return lengths_; }
   int longest() const;
@@ -38,7 +39,7 @@ class Fleet {
     const int from = place(node);
     const double there =
         distances_->symmetric() ? (*distances_)(city, from) : (*distances_)(from, city);
-    return there + (*distances_)(city, to) - onward_[index(node)];
+    return there + (*distances_)(city, to) - onward(node);
   }
 
   void insert(int city, int node);  ///< after the node; the city is in no tour
@@ -55,16 +56,19 @@ class Fleet {
   void restore_lengths(const std::vector<double>& lengths) { lengths_ = lengths; }
 
  private:
+  struct Node {
+    std::int32_t next = -1;
+    std::int32_t previous = -1;
+    std::int32_t tour = -1;
+    float onward = 0.0F;  ///< distance to the next
+  };
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }
   double edge(int from, int to) const { return (*distances_)(place(from), place(to)); }
   void link(int from, int to);
 
   const Distances* distances_;
   int depot_;
-  std::vector<std::int32_t> next_;
-  std::vector<std::int32_t> previous_;
-  std::vector<std::int32_t> tour_of_;
-  std::vector<float> onward_;  ///< distance to the next node
+  std::vector<Node> nodes_;
   std::vector<double> lengths_;
   std::vector<std::int32_t> sizes_;
 };

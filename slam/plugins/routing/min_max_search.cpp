@@ -8,12 +8,18 @@ namespace imslam::routing {
 namespace {
 
 constexpr int kPower = 12;
-constexpr int kBetweenClockLooks = 64;
+constexpr int kBetweenCoolings = 64;
 constexpr int kBetweenSums = 8192;
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
+
+double mean_edge_per_agent(const Fleet& fleet) {
+  double total = 0.0;  // not the longest alone, which a bad start may have made very long
+  for (const double length : fleet.lengths()) total += length;
+  return total / fleet.cities() / fleet.agents();
+}
 
 MinMaxSearch::MinMaxSearch(Fleet start,
                            const Neighbours& near,
@@ -27,6 +33,7 @@ MinMaxSearch::MinMaxSearch(Fleet start,
   const Distances& distances = fleet_.distances();
   for (int city = 0; city < fleet_.cities(); ++city) {
     to_depot_.push_back(distances(fleet_.depot(), city) + distances(city, fleet_.depot()));
+    if (fleet_.tour_of(city) >= 0) cities_.push_back(city);
   }
   fleet_.sum_up_lengths();
   const double longest = fleet_.length(fleet_.longest());
@@ -47,19 +54,29 @@ double MinMaxSearch::power(double length) const {
 
 double MinMaxSearch::sum_of_powers() const {
   double sum = 0.0;
-  for (const double p : powers_) sum += p;
+  for (const Power& p : powers_) sum += p.value;
   return sum;
 }
 
-void MinMaxSearch::note_power(int tour) { powers_[index(tour)] = power(fleet_.length(tour)); }
+void MinMaxSearch::note_power(int tour) {
+  const double length = fleet_.length(tour);
+  const double value = power(length);
+  powers_[index(tour)] = {value, length > 0.0 ? kPower * value / length : 0.0};
+}
 
 /// The place with the least growth of the sum; the node that the city is to come after.
 int MinMaxSearch::best_place(int city, bool blink) {
   int best = -1;
   double least = 1e300;
+  const float* const row = fleet_.distances().symmetric() ? fleet_.distances().row(city) : nullptr;
   const auto consider = [&](int node, int tour) {
-    const double cost =
-        power(fleet_.length(tour) + fleet_.detour(city, node)) - powers_[index(tour)];
+    const double detour = row != nullptr ? double{row[fleet_.place(node)]} +
+                                               double{row[fleet_.place(fleet_.next(node))]} -
+                                               fleet_.onward(node)
+                                         : fleet_.detour(city, node);
+    const Power& now = powers_[index(tour)];
+    if (now.slope * detour >= least) return;
+    const double cost = power(fleet_.length(tour) + detour) - now.value;
     if (cost >= least) return;
     least = cost;
     best = node;
@@ -100,23 +117,22 @@ Fleet MinMaxSearch::greedy(Fleet fleet, const Neighbours& near) {
 }
 
 int MinMaxSearch::seed_city() {
-  const int n = fleet_.cities();
+  const auto last = static_cast<std::int64_t>(cities_.size()) - 1;
+  const auto any = [&] { return cities_[static_cast<std::size_t>(random_.integer(0, last))]; };
   if (random_.chance(options_.attack)) {
-    const int longest =
-        static_cast<int>(std::max_element(powers_.begin(), powers_.end()) - powers_.begin());
+    const int longest = fleet_.longest();
     // A few tries find a city of the longest tour; if not, any city will do.
     for (int tries = 0; tries < 2 * fleet_.agents(); ++tries) {
-      const int city = static_cast<int>(random_.integer(0, n - 1));
-      if (city != fleet_.depot() && fleet_.tour_of(city) == longest) return city;
+      const int city = any();
+      if (fleet_.tour_of(city) == longest) return city;
     }
   }
-  const int city = static_cast<int>(random_.integer(0, n - 2));
-  return city >= fleet_.depot() ? city + 1 : city;
+  return any();
 }
 
 void MinMaxSearch::ruin() {
   const int seed = seed_city();
-  const double mean_size = static_cast<double>(fleet_.cities()) / fleet_.agents();
+  const double mean_size = static_cast<double>(cities_.size()) / fleet_.agents();
   const double longest = std::max(1.0, std::min<double>(options_.longest_string, mean_size));
   const double most_strings = std::max(1.0, 4.0 * options_.removed / (1.0 + longest) - 1.0);
   int strings = static_cast<int>(random_.uniform(1.0, most_strings + 1.0));
@@ -215,17 +231,19 @@ void MinMaxSearch::adopt(double sum) {
   best_ = fleet_;
 }
 
-void MinMaxSearch::run(const StopRule& stop) {
-  if (fleet_.cities() < 3) return;
-  double total = 0.0;  // not the longest alone, which a bad start may have made very long
-  for (const double length : fleet_.lengths()) total += length;
-  const double edge = total / fleet_.cities() / fleet_.agents();
-  double temperature = options_.heat * edge;
-  for (std::int64_t i = 0;; ++i) {
-    if (i % kBetweenClockLooks == 0) {
-      const double progress = stop.progress(i);
-      if (progress >= 1.0) break;
-      temperature = edge * options_.heat * std::pow(options_.cold / options_.heat, progress);
+void MinMaxSearch::go_on_from(const MinMaxSearch& other) {
+  fleet_ = other.fleet_;
+  powers_ = other.powers_;
+  sum_ = other.sum_;
+}
+
+void MinMaxSearch::anneal(std::int64_t iterations, double hot, double cold) {
+  if (cities_.size() < 2) return;
+  double temperature = hot;
+  for (std::int64_t i = 0; i < iterations; ++i) {
+    if (i % kBetweenCoolings == 0) {
+      const double share = static_cast<double>(i) / static_cast<double>(iterations);
+      temperature = hot * std::pow(cold / hot, share);
     }
     if (i % kBetweenSums == 0) {
       fleet_.sum_up_lengths();
@@ -238,7 +256,6 @@ void MinMaxSearch::run(const StopRule& stop) {
     ruin();
     order_removed();
     recreate();
-    ++iterations_;
     const double sum = sum_of_powers();
     if (accepts(sum, temperature)) {
       adopt(sum);

@@ -18,6 +18,9 @@ struct MinMaxOptions {
   double cold = 0.03;       ///< last temperature
 };
 
+/// The unit of temperatures: mean edge per agent.
+double mean_edge_per_agent(const Fleet& fleet);
+
 /// Shortens the longest tour: ruin and recreate under simulated annealing.
 ///
 ///   minimise  (sum_t L_t^12)^(1/12)      nearly the longest, but others count where it cannot gain
@@ -26,15 +29,18 @@ struct MinMaxOptions {
 ///              longest one (slack induction by string removal; Christiaens, Vanden Berghe 2020)
 ///   recreate   one city after the other where the sum grows least, next to one that is near it or
 ///              to the depot: relocations, swaps and exchanges between tours are special cases
-///   accept     f' < f - T log u, with T falling geometrically as the search comes to its end
+///   accept     f' < f - T log u
 ///
 /// An iteration takes time that depends on what was removed, not on the number of cities.
 class MinMaxSearch {
  public:
   MinMaxSearch(Fleet start, const Neighbours& near, const MinMaxOptions& options, Random random);
 
-  void run(const StopRule& stop);
-  std::int64_t iterations() const { return iterations_; }
+  /// Iterations while the temperature falls geometrically from `hot` to `cold`, both lengths.
+  void anneal(std::int64_t iterations, double hot, double cold);
+  /// Another's fleet as it is now, but other chances.
+  void go_on_from(const MinMaxSearch& other);
+  double sum_of_powers() const;
   /// The fleet with the shortest longest tour that was seen.
   const Fleet& best() const { return best_; }
 
@@ -47,7 +53,6 @@ class MinMaxSearch {
     int previous;
   };
   double power(double length) const;
-  double sum_of_powers() const;
   int seed_city();
   void ruin();
   void remove_string(int city, int length);
@@ -67,14 +72,18 @@ class MinMaxSearch {
   double unit_ = 1.0;  ///< lengths are divided by it, so that powers stay within range
   double sum_ = 0.0;
   double best_longest_ = 0.0;
-  std::vector<double> powers_;   ///< of each tour
+  struct Power {
+    double value = 0.0;  ///< (L / unit)^12
+    double slope = 0.0;  ///< of it by L; the power is convex, so that it grows at least so fast
+  };
+  std::vector<Power> powers_;    ///< of each tour
   std::vector<double> lengths_;  ///< before the ruin
-  std::vector<double> old_powers_;
+  std::vector<Power> old_powers_;
   std::vector<int> cut_tours_;  ///< by this ruin
   std::vector<Removal> removed_;
   std::vector<int> waiting_;  ///< cities to put back, in order
   std::vector<double> to_depot_;
-  std::int64_t iterations_ = 0;
+  std::vector<int> cities_;  ///< those of the fleet but the depot, in any order
 };
 
 }  // namespace imslam::routing

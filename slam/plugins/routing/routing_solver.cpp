@@ -8,7 +8,7 @@
 #include "slam/base/parallel.hpp"
 #include "slam/plugins/routing/allocate.hpp"
 #include "slam/plugins/routing/allocation_problem.hpp"
-#include "slam/plugins/routing/min_max_search.hpp"
+#include "slam/plugins/routing/chained_search.hpp"
 #include "slam/plugins/routing/tour_solver.hpp"
 
 namespace imslam::routing {
@@ -70,22 +70,42 @@ Tours polished(const Instance& instance, bool symmetric, const Tours& tours, dou
   });
 }
 
+/// A search that is to give the same tours each time must not ask how many threads there are.
+int chains_of(const SolveOptions& options) {
+  if (options.chains > 0) return options.chains;
+  return options.iterations > 0 ? 1 : thread_count();
+}
+
+Tours inserted(const Distances& distances, const Neighbours& near, const SolveOptions& options) {
+  Fleet fleet(distances, distances.instance().depot, options.agents);
+  return MinMaxSearch::greedy(std::move(fleet), near).tours();
+}
+
+/// From insertion or from the network's likeliest allocation, whichever is better.
 Tours by_search(const Instance& instance,
                 const SolveOptions& options,
                 const StopRule& stop,
-                const Tours& start) {
+                const AllocationNetwork<float>* network) {
   const Distances distances(instance);
   const Neighbours near(distances, kNear);
-  Fleet fleet(distances, instance.depot, options.agents);
-  if (start.empty()) {
-    fleet = MinMaxSearch::greedy(std::move(fleet), near);
-  }
-  const Tours first = start.empty() ? fleet.tours() : start;
+  Tours first = inserted(distances, near, options);
   if (options.method == Method::kInsertion) return first;
-  const Tours ready = polished(instance, distances.symmetric(), first, 0.0);
-  for (int t = 0; t < options.agents; ++t) fleet.set_tour(t, ready[static_cast<std::size_t>(t)]);
-  MinMaxSearch search(std::move(fleet), near, MinMaxOptions(),
-                      Random(static_cast<std::uint64_t>(options.seed)));
+  first = polished(instance, distances.symmetric(), first, 0.0);
+  MinMaxOptions search_options;
+  search_options.heat = options.heat;
+  if (network != nullptr) {
+    SolveOptions likeliest = options;
+    likeliest.draws = 0;
+    Solution start = by_network(instance, likeliest, *network);
+    if (start.longest() < measured(instance, first).longest()) {
+      first = std::move(start.tours);
+      search_options.heat = options.network_heat;
+    }
+  }
+  Fleet fleet(distances, instance.depot, options.agents);
+  for (int t = 0; t < options.agents; ++t) fleet.set_tour(t, first[static_cast<std::size_t>(t)]);
+  ChainedSearch search(fleet, near, search_options, chains_of(options),
+                       Random(static_cast<std::uint64_t>(options.seed)));
   search.run(stop.part(kSearchShare));
   return polished(instance, distances.symmetric(), search.best().tours(), 0.0);
 }
@@ -133,6 +153,10 @@ void SolveOptions::validate() const {
   }
   if (iterations < 0) fail(fmt::format("iterations: expected 0 or more, got {}", iterations));
   if (time_s == 0.0 && iterations == 0) fail("a search needs --time or --iterations");
+  if (chains < 0 || chains > 1000) fail(fmt::format("chains: expected 0 to 1000, got {}", chains));
+  if (!(heat > 0.0)) fail(fmt::format("heat: expected more than 0, got {}", heat));
+  if (!(network_heat > 0.0))
+    fail(fmt::format("network heat: expected more than 0, got {}", network_heat));
   if (draws < 0 || draws > 10000) fail(fmt::format("draws: expected 0 to 10000, got {}", draws));
 }
 
@@ -140,14 +164,13 @@ Solution solve(const Instance& instance,
                const SolveOptions& options,
                const AllocationNetwork<float>* network) {
   options.validate();
-  const StopRule stop = StopRule::of(options.time_s, options.iterations);
+  const StopRule stop = StopRule::of(options.time_s, options.iterations, options.time_of);
   const bool asks_network =
       options.method == Method::kNetwork || options.method == Method::kNetworkSearch;
   if (asks_network) expect_network(instance, options, network);
   if (options.agents == 1) return one_agent(instance, options, stop);
   if (options.method == Method::kNetwork) return by_network(instance, options, *network);
-  const Tours start = asks_network ? by_network(instance, options, *network).tours : Tours();
-  return measured(instance, by_search(instance, options, stop, start));
+  return measured(instance, by_search(instance, options, stop, asks_network ? network : nullptr));
 }
 
 }  // namespace imslam::routing

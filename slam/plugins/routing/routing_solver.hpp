@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "slam/plugins/routing/allocation_network.hpp"
+#include "slam/plugins/routing/min_max_search.hpp"
 #include "slam/plugins/routing/solution.hpp"
 #include "slam/plugins/routing/stop_rule.hpp"
 
@@ -15,18 +16,23 @@ namespace imslam::routing {
 enum class Method {
   kInsertion,      ///< each city where it lengthens the longest tours least, farthest first
   kNetwork,        ///< the network shares out, one tour search per agent: the paper's way
-  kSearch,         ///< insertion, then MinMaxSearch until the end
-  kNetworkSearch,  ///< the network's best, then MinMaxSearch until the end
+  kSearch,         ///< insertion, then ChainedSearch until the end
+  kNetworkSearch,  ///< the better of the network's likeliest and insertion, then ChainedSearch
 };
 const std::vector<std::string>& method_names();  ///< "insertion", ... in this order
 
 struct SolveOptions {
   int agents = 1;
   Method method = Method::kSearch;
-  double time_s = 1.0;          ///< of the searches; 0: no limit but iterations
+  double time_s = 1.0;  ///< of the searches; 0: no limit but iterations
+  TimeOf time_of = TimeOf::kWall;
   std::int64_t iterations = 0;  ///< of the searches; the same tours each time; 0: no limit
+  int chains = 0;  ///< searches side by side; 0: one per thread, or one if iterations are given
   int seed = 1;
-  int draws = 16;  ///< allocations drawn from the network besides the likeliest; the best counts
+  int draws = 16;  ///< kNetwork: allocations drawn besides the likeliest; the best counts
+  // First temperatures of the search; see MinMaxOptions.
+  double heat = MinMaxOptions().heat;  ///< from insertion
+  double network_heat = 3.0;           ///< from the network's answer, which is better
 
   void validate() const;  ///< Throws InputError(kUsage) naming key, value and bound.
 };

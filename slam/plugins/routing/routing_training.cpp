@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "slam/base/parallel.hpp"
+#include "slam/learner/alternating.hpp"
 #include "slam/learner/bounds.hpp"
 #include "slam/learner/imperative_loss.hpp"
 #include "slam/learner/log_derivative.hpp"
@@ -15,7 +17,7 @@ namespace imslam::routing {
 namespace {
 
 const std::vector<std::string> kEstimators = {"constant_baseline", "sample_baseline",
-                                              "control_variate"};
+                                              "control_variate", "alternating"};
 constexpr std::uint64_t kHeldOut = 0x4E1D;  ///< stream of instances that no training sees
 
 const RoutingTrainingOptions& validated(const RoutingTrainingOptions& options) {
@@ -67,17 +69,22 @@ RoutingTrainingOptions::RoutingTrainingOptions() {
 void RoutingTrainingOptions::describe(Config& config) {
   describe_training(config);
   config.field("agents", agents, "of the network, each has weights of its own");
-  config.field("cities", cities, "of each instance, the depot included");
+  config.field("cities", cities, "of the smallest instances, the depot included");
+  config.field("most_cities", most_cities,
+               "of the largest, as many of each doubling; 0: all are as large");
   config.field("estimator", estimator, kEstimators, "the gradient's way through the solver");
   config.field("samples", samples, "allocations drawn per instance");
   config.field("constant", constant, "taken off each cost by constant_baseline");
   config.field("surrogate_rate", surrogate_rate, "learning rate of control_variate's surrogate");
+  config.field("effort", effort, "of alternating: iterations of its search per city");
 }
 
 void RoutingTrainingOptions::validate() const {
   validate_training();
   learner::require_within("train.agents", agents, 1, 100);
   learner::require_within("train.cities", cities, 2, 10000);
+  learner::require_within("train.most_cities", most_cities, 0, 10000);
+  learner::require_within("train.effort", effort, 0.0, 1e6);
   learner::require_within("train.samples", samples, estimator == "sample_baseline" ? 2 : 1, 1000);
   learner::require_within("train.constant", constant, -1e6, 1e6);
   learner::require_within("train.surrogate_rate", surrogate_rate, 0.0, 1.0);
@@ -94,6 +101,8 @@ RoutingTraining::RoutingTraining(const RoutingTrainingOptions& options)
   adopt(parameters);
   for (std::size_t slot = 0; slot < problems_.size(); ++slot) {
     surrogates_.push_back(std::make_unique<AllocationSurrogate>(surrogate_));
+    improvements_.push_back(
+        std::make_unique<AllocationImprovement>(problems_[slot], options_.effort));
     estimators_.push_back(make_estimator(options_.estimator, slot));
   }
 }
@@ -105,20 +114,31 @@ std::unique_ptr<learner::GradientStrategy> RoutingTraining::make_estimator(
         problems_[slot], *surrogates_[slot],
         learner::ControlVariate::Options{options_.samples, options_.samples > 1});
   }
+  if (estimator == "alternating") {
+    return std::make_unique<learner::Alternating>(*improvements_[slot], learner::Convergence());
+  }
   const bool baseline = estimator == "sample_baseline";
   return std::make_unique<learner::LogDerivative>(
       problems_[slot],
       learner::LogDerivative::Options{options_.samples, baseline, options_.constant});
 }
 
+/// Sizes are even on a scale of logarithms.
+Instance RoutingTraining::draw_instance(Random& random) const {
+  const double least = options_.cities;
+  const double most = std::max(options_.most_cities, options_.cities);
+  const double cities = most > least ? least * std::pow(most / least, random.uniform()) : least;
+  return random_instance(static_cast<int>(std::lround(cities)), random);
+}
+
 nn::Var RoutingTraining::allocate(nn::Tape<float>& tape,
                                   std::size_t slot,
                                   Random random,
                                   learner::GradientStrategy& estimator) {
-  problems_[slot].set_instance(random_instance(options_.cities, random));
+  problems_[slot].set_instance(draw_instance(random));
   const nn::Tensor<float> features = city_features(problems_[slot].instance());
   const nn::Var z = network_.forward(tape, tape.constant(features));
-  surrogates_[slot]->look_at(problems_[slot], learner::numbers_of(tape, z));
+  if (has_surrogate()) surrogates_[slot]->look_at(problems_[slot], learner::numbers_of(tape, z));
   return through_solver(tape, z, estimator, random.fork(1), slot);
 }
 
@@ -173,7 +193,7 @@ learner::ValidationRecord RoutingTraining::look() {
     parallel_for(count, [&](std::size_t i) {
       Random random = Random(kHeldOut).fork(i);
       AllocationProblem problem(options_.agents);
-      problem.set_instance(random_instance(options_.cities, random));
+      problem.set_instance(draw_instance(random));
       const learner::Vector z = allocation_logits(network_, problem.instance());
       likeliest[i] = *problem.cost(likeliest_allocation(z, options_.agents));
       drawn[i] = *problem.cost(problem.draw(z, random));

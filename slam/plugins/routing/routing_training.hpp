@@ -6,6 +6,7 @@
 
 #include "slam/learner/control_variate.hpp"
 #include "slam/learner/imperative_training.hpp"
+#include "slam/plugins/routing/allocation_improvement.hpp"
 #include "slam/plugins/routing/allocation_network.hpp"
 #include "slam/plugins/routing/allocation_surrogate.hpp"
 
@@ -16,13 +17,17 @@ namespace imslam::routing {
 ///   sample_baseline     REINFORCE, less the mean cost of the other draws (Hu et al. 2020)
 ///   control_variate     less what the surrogate explains, which is put back without noise (iMTSP);
 ///                       with two draws or more, what is left is held against the other draws too
+///   alternating         no draws: a search betters the network's answer, which learns it
+///                       (allocation_improvement.hpp)
 struct RoutingTrainingOptions : learner::TrainingOptions {
   int agents = 10;
-  int cities = 100;  ///< the depot included
+  int cities = 100;     ///< of the smallest instances, the depot included
+  int most_cities = 0;  ///< of the largest, as many of each doubling; 0: all are as large
   std::string estimator = "control_variate";
   int samples = 8;                 ///< allocations drawn per instance; sample_baseline: 2 or more
   double constant = 2.0;           ///< of constant_baseline
   double surrogate_rate = 0.0003;  ///< learning rate of the surrogate
+  double effort = 5.0;             ///< of alternating: iterations of its search per city
 
   RoutingTrainingOptions();
   void describe(Config& config);
@@ -53,6 +58,7 @@ class RoutingTraining : public learner::ImperativeTraining {
   bool has_surrogate() const { return options_.estimator == "control_variate"; }
   std::unique_ptr<learner::GradientStrategy> make_estimator(const std::string& estimator,
                                                             std::size_t slot);
+  Instance draw_instance(Random& random) const;
   nn::Var allocate(nn::Tape<float>& tape,
                    std::size_t slot,
                    Random random,
@@ -62,8 +68,9 @@ class RoutingTraining : public learner::ImperativeTraining {
   AllocationNetwork<float> network_;
   mutable SurrogateNetwork<float> surrogate_;
   nn::Adam<float> surrogate_optimizer_;
-  std::vector<AllocationProblem> problems_;                       ///< one per slot
-  std::vector<std::unique_ptr<AllocationSurrogate>> surrogates_;  ///< likewise
+  std::vector<AllocationProblem> problems_;                           ///< one per slot
+  std::vector<std::unique_ptr<AllocationImprovement>> improvements_;  ///< likewise
+  std::vector<std::unique_ptr<AllocationSurrogate>> surrogates_;      ///< likewise
   std::vector<std::unique_ptr<learner::GradientStrategy>> estimators_;
 };
 

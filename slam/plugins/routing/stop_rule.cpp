@@ -1,30 +1,43 @@
 #include "slam/plugins/routing/stop_rule.hpp"
 
+#include <time.h>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <utility>
 
 #include "slam/base/error.hpp"
+#include "slam/base/parallel.hpp"
 
 namespace imslam::routing {
 namespace {
 
-StopRule::Clock steady_clock_from_now() {
-  const auto start = std::chrono::steady_clock::now();
-  return [start] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  };
+double processor_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace
+
+std::function<double()> clock_from_now(TimeOf time) {
+  if (time == TimeOf::kProcessor) {
+    return [start = processor_seconds(), threads = static_cast<double>(thread_count())] {
+      return (processor_seconds() - start) / threads;
+    };
+  }
+  return [start = std::chrono::steady_clock::now()] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+}
 
 StopRule StopRule::after_iterations(std::int64_t iterations) {
   return StopRule(0.0, iterations, nullptr);
 }
 
-StopRule StopRule::of(double seconds, std::int64_t iterations) {
-  return StopRule(seconds, iterations, steady_clock_from_now());
+StopRule StopRule::of(double seconds, std::int64_t iterations, TimeOf time) {
+  return StopRule(seconds, iterations, clock_from_now(time));
 }
 
 StopRule::StopRule(double seconds, std::int64_t iterations, Clock clock)

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <numeric>
+#include <thread>
 
 #include "slam/base/error.hpp"
 #include "slam/base/parallel.hpp"
@@ -136,6 +138,14 @@ TEST(LowerBound, OfOneAgentIsNearTheShortestTour) {
   const double bound = lower_bound(Distances(instance), 0, 1, 300).value();
   EXPECT_LE(bound, shortest + 1e-6);
   EXPECT_GT(bound, 0.97 * shortest);
+}
+
+TEST(StopRule, CountsProcessorTimeOnlyWhileTheProcessorWorks) {
+  const auto processor = clock_from_now(TimeOf::kProcessor);
+  const auto wall = clock_from_now(TimeOf::kWall);
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_LT(processor(), 0.5 * wall());
+  EXPECT_GE(wall(), 0.05);
 }
 
 TEST(StopRule, EndsByTheClockOrTheIterationsWhicheverIsFirst) {

@@ -16,7 +16,8 @@ namespace {
 RoutingTrainingOptions small(const std::string& estimator) {
   RoutingTrainingOptions options;
   options.agents = 3;
-  options.cities = 12;
+  options.cities = 10;
+  options.most_cities = 14;
   options.estimator = estimator;
   options.samples = 2;
   options.steps = 6;
@@ -40,7 +41,8 @@ std::string trained(const RoutingTrainingOptions& options,
 }
 
 TEST(RoutingTraining, InterruptedOrNotAndOnAnyNumberOfThreadsItEndsTheSame) {
-  for (const char* estimator : {"constant_baseline", "sample_baseline", "control_variate"}) {
+  for (const char* estimator :
+       {"constant_baseline", "sample_baseline", "control_variate", "alternating"}) {
     const testing::TempDir dir;
     const auto options = small(estimator);
     set_thread_count(1);
