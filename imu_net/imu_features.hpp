@@ -27,6 +27,8 @@ struct ImuFrame {
   std::array<Eigen::Vector3d, kAccelCandidates> accel_bias{};  ///< [m/s^2]
 };
 
+class FeatureWriter;
+
 /// Raw readings in, frames out: causal, at any rate. State of fixed size.
 class FeatureExtractor {
  public:
@@ -37,6 +39,11 @@ class FeatureExtractor {
 
  private:
   ImuFrame describe(const ImuBin& bin, double dt_s);
+  /// `rate`: without the bias.
+  void put_motion(const ImuBin& bin,
+                  const Eigen::Vector3d& rate,
+                  int axis,
+                  FeatureWriter& out) const;
 
   ImuNoise noise_;
   BinAccumulator bins_;

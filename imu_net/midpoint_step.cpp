@@ -1,7 +1,5 @@
 #include "imu_net/midpoint_step.hpp"
 
-#include "imu_net/right_jacobian.hpp"
-
 namespace imslam::imu {
 
 using Eigen::Matrix3d;
@@ -14,8 +12,8 @@ MidpointStep::MidpointStep(const StepInput& input, const SO3d& dR)
       E(half.matrix()),
       M(middle.matrix()),
       A_R((half * half).matrix().transpose()),
-      J_full(right_jacobian(in.h * in.rate)),
-      Jr_half(right_jacobian(0.5 * in.h * in.rate)) {
+      J_full(SO3d::right_jacobian(in.h * in.rate)),
+      Jr_half(SO3d::right_jacobian(0.5 * in.h * in.rate)) {
   const Matrix3d F = -M * lie::skew(in.force);
   A_v.noalias() = in.h * F * E.transpose();
   J_half.noalias() = 0.5 * F * Jr_half;

@@ -1,11 +1,11 @@
 #include "imu_net/midpoint_step_gradient.hpp"
 
-#include "imu_net/right_jacobian.hpp"
-
 namespace imslam::imu {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using lie::axial;
+using lie::SO3d;
 
 namespace {
 
@@ -96,8 +96,8 @@ StepGradient pull_back(const MidpointStep& step,
 
   StepGradient result;
   result.rate = h * (step.J_full.transpose() * d_end + 0.5 * step.Jr_half.transpose() * d_E +
-                     right_jacobian_gradient(h * step.in.rate, dB.J_full) +
-                     0.5 * right_jacobian_gradient(0.5 * h * step.in.rate, d_Jr_half));
+                     SO3d::right_jacobian_gradient(h * step.in.rate, dB.J_full) +
+                     0.5 * SO3d::right_jacobian_gradient(0.5 * h * step.in.rate, d_Jr_half));
   result.force = d_velocity - axial(dF);
   result.rate_variance = dB.variance;
   result.force_variance = MtNM.diagonal();

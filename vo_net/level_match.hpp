@@ -16,10 +16,6 @@ struct LevelMatch {
   nn::Var displacement;  ///< [N,P,2] (x, y) [px]
 };
 
-/// (x, y) of each number of the window [K,2], a constant.
-template <typename S>
-nn::Var window_cells(nn::Tape<S>& tape, const nn::Window& window);
-
 /// The expected cell under softmax(logits), within `radius` cells around the largest logit only:
 /// the mean over all of a window lies between its modes, where nothing is.
 ///

@@ -4,7 +4,6 @@
 #include "slam/nn/ops/arithmetic.hpp"
 #include "slam/nn/ops/layout.hpp"
 #include "slam/nn/ops/pointwise.hpp"
-#include "slam/nn/ops/reduce.hpp"
 #include "slam/nn/ops/softmax.hpp"
 
 namespace imslam::vo {
@@ -19,15 +18,6 @@ constexpr double kResidualUnit = 2.0;  // [px], a cell of the finest level
 /// Outputs: mixing (4), residual (D), log sigma (D), confidence (1), correlation (flow only: 1).
 Index output_count(Index dimensions) {
   return kLevels + 2 * dimensions + 1 + (dimensions == 2 ? 1 : 0);
-}
-
-/// Largest probability and entropy of a level [N,P,2].
-template <typename S>
-Var statistics(nn::Tape<S>& tape, Var logits) {
-  const Var probability = softmax(tape, logits);
-  const Var surprise = multiply(tape, probability, log_softmax(tape, logits));
-  const Var entropy = scale(tape, sum(tape, surprise, {-1}, nn::Axes::kKeep), -1.0);
-  return concat(tape, {maximum(tape, probability, {-1}, nn::Axes::kKeep), entropy}, -1);
 }
 
 /// How far a level moves from the one before [N,P,D], in cells of that one.
@@ -66,14 +56,14 @@ MatchPrediction MatchHead<S>::forward(
     const LevelMatch& coarse,
     const std::array<typename FineMatcher<S>::Match, kFineLevels>& fine) const {
   const Index D = dimensions;
-  const Var seen =
-      concat(tape,
-             {fine[0].cosines, fine[1].cosines, fine[2].cosines, statistics(tape, coarse.logits),
-              statistics(tape, fine[0].level.logits), statistics(tape, fine[1].level.logits),
-              statistics(tape, fine[2].level.logits), step(tape, coarse, fine[0].level, D),
-              step(tape, fine[0].level, fine[1].level, D),
-              step(tape, fine[1].level, fine[2].level, D), fine[0].query},
-             -1);
+  const Var seen = concat(
+      tape,
+      {fine[0].cosines, fine[1].cosines, fine[2].cosines, softmax_summary(tape, coarse.logits),
+       softmax_summary(tape, fine[0].level.logits), softmax_summary(tape, fine[1].level.logits),
+       softmax_summary(tape, fine[2].level.logits), step(tape, coarse, fine[0].level, D),
+       step(tape, fine[0].level, fine[1].level, D), step(tape, fine[1].level, fine[2].level, D),
+       fine[0].query},
+      -1);
   const Var hidden = first.forward(tape, seen, nn::Activation::kRelu);
   const Var said = output.forward(tape, second.forward(tape, hidden, nn::Activation::kRelu));
   const auto part = [&](Index start, Index count) { return slice(tape, said, -1, start, count); };

@@ -4,6 +4,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "slam/lie/so3_coefficients.hpp"
+
 namespace imslam::lie {
 
 /// Below this squared angle [rad^2] closed forms are replaced by their Taylor series.
@@ -18,6 +20,13 @@ Eigen::Matrix<typename Derived::Scalar, 3, 3> skew(const Eigen::MatrixBase<Deriv
   Eigen::Matrix<Scalar, 3, 3> S;
   S << Scalar(0), -v.z(), v.y(), v.z(), Scalar(0), -v.x(), -v.y(), v.x(), Scalar(0);
   return S;
+}
+
+/// The vector d . axial(X) = <X, [d]x> for every d.
+template <typename Derived>
+Eigen::Matrix<typename Derived::Scalar, 3, 1> axial(const Eigen::MatrixBase<Derived>& X) {
+  const Eigen::Matrix<typename Derived::Scalar, 3, 3> M = X;  // X may be a product
+  return {M(2, 1) - M(1, 2), M(0, 2) - M(2, 0), M(1, 0) - M(0, 1)};
 }
 
 /// Rotation in 3D. Tangent: rotation vector theta [rad]; plus: R Exp(theta).
@@ -90,19 +99,7 @@ class SO3 {
   }
 
   /// V(theta) = integral of Exp(s theta) ds over [0, 1].
-  static Matrix3 left_jacobian(const Vector3& theta) {
-    using std::cos, std::sin, std::sqrt;
-    const Scalar angle_sq = theta.squaredNorm();
-    Scalar a = Scalar(0.5) - angle_sq / Scalar(24);
-    Scalar b = Scalar(1.0 / 6.0) - angle_sq / Scalar(120);
-    if (angle_sq > Scalar(kSmallAngleSquared)) {
-      const Scalar angle = sqrt(angle_sq);
-      a = (Scalar(1) - cos(angle)) / angle_sq;
-      b = (angle - sin(angle)) / (angle_sq * angle);
-    }
-    const Matrix3 K = skew(theta);
-    return Matrix3::Identity() + a * K + b * K * K;
-  }
+  static Matrix3 left_jacobian(const Vector3& theta) { return right_jacobian(-theta); }
 
   static Matrix3 left_jacobian_inverse(const Vector3& theta) {
     using std::cos, std::sin, std::sqrt;
@@ -117,9 +114,37 @@ class SO3 {
     return Matrix3::Identity() - Scalar(0.5) * K + c * K * K;
   }
 
-  static Matrix3 right_jacobian(const Vector3& theta) { return left_jacobian(-theta); }
+  static Matrix3 right_jacobian(const Vector3& theta) {
+    const Scalar angle_sq = theta.squaredNorm();
+    const SO3Coefficients<Scalar> c = so3_coefficients(angle_sq);
+    const Vector3 a = c.alpha * theta;
+    Matrix3 J = (c.beta * theta) * theta.transpose();
+    J.diagonal().array() += Scalar(1) - c.beta * angle_sq;
+    J(0, 1) += a.z();
+    J(1, 0) -= a.z();
+    J(2, 0) += a.y();
+    J(0, 2) -= a.y();
+    J(1, 2) += a.x();
+    J(2, 1) -= a.x();
+    return J;
+  }
+
   static Matrix3 right_jacobian_inverse(const Vector3& theta) {
     return left_jacobian_inverse(-theta);
+  }
+
+  /// dL/dtheta, where D = dL/dJ_r(theta).
+  static Vector3 right_jacobian_gradient(const Vector3& theta, const Matrix3& D) {
+    const Scalar angle_sq = theta.squaredNorm();
+    const SO3Coefficients<Scalar> c = so3_coefficients(angle_sq);
+    const SO3Coefficients<Scalar> slope = so3_coefficient_slopes(angle_sq, c);
+    // [a]x [b]x = b a^T - (a . b) I turns every product of two skew matrices into vectors.
+    const Vector3 D_axial = axial(D);
+    const Vector3 D_theta = D * theta;
+    const Scalar trace = D.trace();
+    const Scalar along = slope.beta * (theta.dot(D_theta) - angle_sq * trace) -
+                         slope.alpha * theta.dot(D_axial) - Scalar(2) * c.beta * trace;
+    return along * theta - c.alpha * D_axial + c.beta * (D_theta + D.transpose() * theta);
   }
 
  private:

@@ -22,11 +22,7 @@ nlohmann::json metrics_json(const SlamResult& result,
                             const RunSummary& summary,
                             const std::optional<RunEvaluation>& evaluation);
 
-/// The content of series.json: columns of equal length for the plots of the report.
-nlohmann::json series_json(const SlamResult& result,
-                           const std::optional<RunEvaluation>& evaluation);
-
-/// The table that `imslam run` prints: one column per trajectory.
+/// The table that `imslam run` prints from the content of metrics.json: one column per trajectory.
 std::string metrics_table(const nlohmann::json& metrics);
 
 }  // namespace imslam::system

@@ -13,6 +13,7 @@
 #include "slam/base/parallel.hpp"
 #include "slam/report/report.hpp"
 #include "slam/system/library_versions.hpp"
+#include "slam/system/run_series.hpp"
 
 namespace imslam::system {
 namespace fs = std::filesystem;

@@ -5,6 +5,7 @@
 #include <Eigen/Cholesky>
 #include <cstdio>
 
+#include "datasets/kitti_calibration.hpp"
 #include "imu_net/gyro_alignment.hpp"
 #include "imu_net/preintegration.hpp"
 #include "imu_net/static_detector.hpp"
@@ -18,8 +19,8 @@ namespace {
 using imslam::testing::test_data;
 using testing::as_vision;
 using testing::read_imu;
-using testing::read_kitti;
-using testing::read_tum;
+using testing::read_kitti_truth;
+using testing::read_truth;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 const Eigen::Vector3d kGravity(0.0, 0.0, -9.81);
@@ -149,7 +150,7 @@ TEST(RealImu, PreintegrationAgreesWithGroundTruthOfEuroc) {
   for (const Bound& bound : kBounds) {
     const std::string name = bound.name;
     const auto samples = read_imu(folder / (name + "_imu.csv"));
-    const Trajectory truth = read_tum(folder / (name + "_truth.tum"));
+    const Trajectory truth = read_truth(folder / (name + "_truth.tum"));
     const Agreement brief = mean_agreement(samples, truth, 0.05);
     const Agreement lengthy = mean_agreement(samples, truth, 1.0);
     for (const Agreement& a : {brief, lengthy}) {
@@ -202,7 +203,7 @@ TEST(RealImu, TimeOffsetIsFoundWithin3MsOnEuroc) {
   IMSLAM_NEEDS(folder);
   for (const std::string name : {"MH03", "MH04", "V101", "V102", "V201"}) {
     const auto samples = read_imu(folder / (name + "_imu.csv"));
-    const Trajectory truth = read_tum(folder / (name + "_truth.tum"));
+    const Trajectory truth = read_truth(folder / (name + "_truth.tum"));
     for (const double offset_s : {-0.05, 0.0, 0.05}) {
       const OffsetErrors errors = offset_errors(samples, ImuNoise{}, truth, poses_in(truth, 11.0),
                                                 poses_in(truth, 0.05), offset_s);
@@ -218,19 +219,14 @@ TEST(RealImu, TimeOffsetFollowsTheStampsOfKitti) {
   const auto calibration = test_data() / "kitti_00_excerpt/sequences/00/T_cam0_imu.txt";
   IMSLAM_NEEDS(folder);
   IMSLAM_NEEDS(calibration);
-  const auto rows = testing::read_rows(calibration);
-  Eigen::Matrix4d M;
-  for (std::size_t i = 0; i < 16; ++i) {
-    M(static_cast<Eigen::Index>(i / 4), static_cast<Eigen::Index>(i % 4)) = rows[i / 4][i % 4];
-  }
-  std::vector<std::int64_t> times;
-  for (int k = 0; k < 6000; ++k) times.push_back(std::int64_t{103'700'000} * k);
+  const lie::SE3d T_left_body = datasets::read_rigid_motion_file(calibration);
+  constexpr std::int64_t kPeriodNs = 103'700'000;
   ImuNoise noise;
   noise.rate_hz = 100.0;
   for (const std::string name : {"04", "05", "06", "08", "10"}) {
     const auto samples = read_imu(folder / (name + "_imu.csv"));
     const Trajectory truth =
-        read_kitti(folder / (name + "_poses.txt"), lie::SE3d::from_matrix(M), times);
+        read_kitti_truth(folder / (name + "_poses.txt"), T_left_body, kPeriodNs);
     const std::size_t chunk = std::min<std::size_t>(200, truth.size() / 2);
     const OffsetErrors plain = offset_errors(samples, noise, truth, chunk, 1, 0.0);
     std::printf("KITTI %s: offset %.2f ms, worst %.2f ms of %d\n", name.c_str(), 1e3 * plain.mean_s,

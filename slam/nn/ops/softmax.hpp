@@ -21,4 +21,11 @@ Var softmax(Tape<S>& tape, Var x, Var mask = {});
 template <typename S>
 Var log_softmax(Tape<S>& tape, Var x, Var mask = {});
 
+/// How sure a softmax is, in one pass over its row.
+///
+///   x [...,K]    y [...,2] = [largest p, entropy H],   p = softmax(x),   H = -sum_i p_i log p_i
+///   dx_j += dy_0 p_b ([j = b] - p_j) - dy_1 p_j (log p_j + H),   b the first of the largest
+template <typename S>
+Var softmax_summary(Tape<S>& tape, Var x);
+
 }  // namespace imslam::nn

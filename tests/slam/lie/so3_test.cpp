@@ -16,8 +16,11 @@ using testing::numeric_jacobian;
 const Vector3d kTangents[] = {
     Vector3d::Zero(),        {1e-9, -2e-9, 3e-9}, {0.99e-4, 0.0, 0.0}, {1.01e-4, 0.0, 0.0},
     {1e-3, -2e-3, 1e-3},     {0.4, -0.2, 0.9},    {-1.5, 1.0, 0.3},    {M_PI - 1e-3, 0.0, 0.0},
-    {0.0, M_PI - 1e-7, 0.0}, {1.8, -1.8, 1.8},
+    {0.0, M_PI - 1e-7, 0.0}, {1.8, -1.8, 1.8},    {0.3161, 0.0, 0.0},  {0.3163, 0.0, 0.0},
 };
+
+// Any matrix: the slope of a loss by a Jacobian.
+const Matrix3d kWeights = (Matrix3d() << 1, 2, 3, -4, 5, 7, 0.5, -0.3, 2).finished();
 
 TEST(SO3, LogInvertsExp) {
   for (const Vector3d& theta : kTangents) expect_near(SO3d::exp(theta).log(), theta, 1e-9);
@@ -112,13 +115,51 @@ TEST(SO3, InverseJacobiansInvert) {
 
 TEST(SO3, NothingJumpsWhereTheSeriesTakesOver) {
   const Vector3d axis = Vector3d(1.0, -2.0, 0.5).normalized();
-  const double angle = std::sqrt(kSmallAngleSquared);
-  const Vector3d below = (1.0 - 1e-9) * angle * axis;
-  const Vector3d above = (1.0 + 1e-9) * angle * axis;
+  const Vector3d small = std::sqrt(kSmallAngleSquared) * axis;
+  const Vector3d below = (1.0 - 1e-9) * small;
+  const Vector3d above = (1.0 + 1e-9) * small;
   expect_near(SO3d::exp(below).quaternion().coeffs(), SO3d::exp(above).quaternion().coeffs(),
               1e-12);
-  expect_near(SO3d::left_jacobian(below), SO3d::left_jacobian(above), 1e-8);
   expect_near(SO3d::left_jacobian_inverse(below), SO3d::left_jacobian_inverse(above), 1e-8);
+  const Vector3d larger = std::sqrt(kSeriesAngleSquared) * axis;
+  expect_near(SO3d::left_jacobian((1.0 - 1e-13) * larger),
+              SO3d::left_jacobian((1.0 + 1e-13) * larger), 1e-13);
+  expect_near(SO3d::right_jacobian_gradient((1.0 - 1e-13) * larger, kWeights),
+              SO3d::right_jacobian_gradient((1.0 + 1e-13) * larger, kWeights), 2e-12);
+}
+
+TEST(SO3, RightJacobianGradientMatchesCentralDifferences) {
+  for (const Vector3d& theta : kTangents) {
+    const auto loss = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
+      const double value = kWeights.cwiseProduct(SO3d::right_jacobian(at)).sum();
+      return Eigen::VectorXd::Constant(1, value);
+    };
+    const Eigen::MatrixXd expected = numeric_jacobian(loss, theta, 1e-4).transpose();
+    expect_near(SO3d::right_jacobian_gradient(theta, kWeights), expected, 2e-7);
+  }
+}
+
+TEST(SO3, RightJacobianMatchesTheMatrixSeries) {
+  for (const Vector3d& theta : kTangents) {
+    Matrix3d term = Matrix3d::Identity();
+    Matrix3d sum = term;
+    for (int k = 1; k < 40; ++k) sum += term = -term * skew(theta) / (k + 1);
+    expect_near(SO3d::right_jacobian(theta), sum, 1e-14);
+  }
+}
+
+TEST(SO3, JacobianInSinglePrecisionIsExactToRounding) {
+  for (const Vector3d& theta : kTangents) {
+    expect_near(SO3f::right_jacobian(theta.cast<float>()).cast<double>(),
+                SO3d::right_jacobian(theta), 1e-6);
+  }
+}
+
+TEST(Axial, IsTheAdjointOfSkew) {
+  const Vector3d d(0.3, -1.1, 0.7);
+  EXPECT_NEAR(axial(kWeights).dot(d), kWeights.cwiseProduct(skew(d)).sum(), 1e-14);
+  EXPECT_NEAR(axial(kWeights * kWeights).dot(d), (kWeights * kWeights).cwiseProduct(skew(d)).sum(),
+              1e-13);
 }
 
 TEST(Skew, IsTheCrossProduct) {

@@ -1,4 +1,5 @@
 #include "slam/nn/ops/normalise.hpp"
+#include "slam/nn/ops/arithmetic.hpp"
 #include "slam/nn/ops/softmax.hpp"
 #include "tests/slam/nn/check_op.hpp"
 
@@ -47,6 +48,33 @@ TEST(Softmax, ARowThatIsMaskedAwayIsZero) {
   t.backward(y, Tensor<double>({1, 2}, {1.0, -1.0}));
   EXPECT_EQ(t.array(y).abs().maxCoeff(), 0.0);
   EXPECT_EQ(t.gradient(x).abs().maxCoeff(), 0.0);
+}
+
+TEST(SoftmaxSummary, Gradients) {
+  check_op([](auto& t, const Vars& v) { return softmax_summary(t, v[0]); }, {{2, 3, 5}});
+}
+
+TEST(SoftmaxSummary, IsLargestProbabilityAndEntropyOfASoftmax) {
+  Random random(4);
+  Tape<double> t;
+  const Var x = t.constant(random_tensor({30, 81}, random, -20.0, 20.0));
+  const Var p = softmax(t, x);
+  const Var surprise = multiply(t, p, log_softmax(t, x));
+  const Var y = softmax_summary(t, x);
+  for (Index r = 0; r < 30; ++r) {
+    EXPECT_NEAR(t.data(y)[2 * r], t.matrix(p).row(r).maxCoeff(), 1e-14);
+    EXPECT_NEAR(t.data(y)[2 * r + 1], -t.matrix(surprise).row(r).sum(), 1e-13);
+  }
+}
+
+TEST(SoftmaxSummary, SurvivesLargeNumbers) {
+  Tape<float> t(Mode::kInference);
+  const Var y = softmax_summary(
+      t, t.constant(Tensor<float>({2, 3}, {1e4F, 1e4F, -1e4F, -3e4F, -3e4F, -3e4F})));
+  EXPECT_FLOAT_EQ(t.data(y)[0], 0.5F);
+  EXPECT_FLOAT_EQ(t.data(y)[1], std::log(2.0F));
+  EXPECT_FLOAT_EQ(t.data(y)[2], 1.0F / 3.0F);
+  EXPECT_FLOAT_EQ(t.data(y)[3], std::log(3.0F));
 }
 
 TEST(Norm, Gradients) {
