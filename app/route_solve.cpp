@@ -117,8 +117,10 @@ void add_route_solve(CLI::App& parent, Action& action, const CommonOptions&) {
       ->capture_default_str();
   command->add_option("--iterations", arguments->options.iterations,
                       "Of the search, 0: no limit; the same tours each time");
-  command->add_option("--chains", arguments->options.chains,
-                      "Searches side by side; 0: one per thread, one with --iterations");
+  command
+      ->add_option("--chains", arguments->options.chains,
+                   "Searches side by side, on the threads there are; the best one counts")
+      ->capture_default_str();
   command->add_option("--seed", arguments->options.seed, "Of the search")->capture_default_str();
   command->add_option("--method", arguments->method, "How tours are found")
       ->check(CLI::IsMember(routing::method_names()))

@@ -10,9 +10,9 @@ namespace {
 
 using Vector = learner::Vector;
 
-constexpr double kRotationPrior = 0.01;    // [rad] of a camera screwed to its IMU
-constexpr double kAside = 1e-3;            // [rad] where the slope is taken once more
-constexpr double kQuotient = 1e-6;         // [rad] of difference quotients
+constexpr double kRotationPrior = 0.01;  // [rad] of a camera screwed to its IMU
+constexpr double kAside = 1e-3;          // [rad] where the slope is taken once more
+constexpr double kQuotient = 1e-6;       // [rad] of difference quotients
 /// A number is known better than before if its variance is less than a quarter of the prior's.
 constexpr double kKnown = 0.5;
 

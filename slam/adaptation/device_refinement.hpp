@@ -33,8 +33,8 @@ std::optional<CameraRotation> camera_rotation(const system::SlamResult& result,
 /// within DeviceBounds; `assumed` is what the run began with, `stated` the camera without it.
 ///
 /// A gyro whose scale is off by a percent, as those of phones are, looks like a focal length that
-/// is, and one whose axes are askew like a turned camera: only a gyro that is known for small biases
-/// (options.trusted_gyro_bias) may correct these two.
+/// is, and one whose axes are askew like a turned camera: only a gyro that is known for small
+/// biases (options.trusted_gyro_bias) may correct these two.
 DeviceCalibration refined_device(const system::SlamResult& result,
                                  const DeviceCalibration& assumed,
                                  const StereoCamera& stated,

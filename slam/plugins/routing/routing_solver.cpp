@@ -70,12 +70,6 @@ Tours polished(const Instance& instance, bool symmetric, const Tours& tours, dou
   });
 }
 
-/// A search that is to give the same tours each time must not ask how many threads there are.
-int chains_of(const SolveOptions& options) {
-  if (options.chains > 0) return options.chains;
-  return options.iterations > 0 ? 1 : thread_count();
-}
-
 Tours inserted(const Distances& distances, const Neighbours& near, const SolveOptions& options) {
   Fleet fleet(distances, distances.instance().depot, options.agents);
   return MinMaxSearch::greedy(std::move(fleet), near).tours();
@@ -104,7 +98,7 @@ Tours by_search(const Instance& instance,
   }
   Fleet fleet(distances, instance.depot, options.agents);
   for (int t = 0; t < options.agents; ++t) fleet.set_tour(t, first[static_cast<std::size_t>(t)]);
-  ChainedSearch search(fleet, near, search_options, chains_of(options),
+  ChainedSearch search(fleet, near, search_options, options.chains,
                        Random(static_cast<std::uint64_t>(options.seed)));
   search.run(stop.part(kSearchShare));
   return polished(instance, distances.symmetric(), search.best().tours(), 0.0);
@@ -153,7 +147,7 @@ void SolveOptions::validate() const {
   }
   if (iterations < 0) fail(fmt::format("iterations: expected 0 or more, got {}", iterations));
   if (time_s == 0.0 && iterations == 0) fail("a search needs --time or --iterations");
-  if (chains < 0 || chains > 1000) fail(fmt::format("chains: expected 0 to 1000, got {}", chains));
+  if (chains < 1 || chains > 1000) fail(fmt::format("chains: expected 1 to 1000, got {}", chains));
   if (!(heat > 0.0)) fail(fmt::format("heat: expected more than 0, got {}", heat));
   if (!(network_heat > 0.0))
     fail(fmt::format("network heat: expected more than 0, got {}", network_heat));

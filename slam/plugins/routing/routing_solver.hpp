@@ -27,7 +27,7 @@ struct SolveOptions {
   double time_s = 1.0;  ///< of the searches; 0: no limit but iterations
   TimeOf time_of = TimeOf::kWall;
   std::int64_t iterations = 0;  ///< of the searches; the same tours each time; 0: no limit
-  int chains = 0;  ///< searches side by side; 0: one per thread, or one if iterations are given
+  int chains = 1;               ///< searches side by side that share the best; not shown to help
   int seed = 1;
   int draws = 16;  ///< kNetwork: allocations drawn besides the likeliest; the best counts
   // First temperatures of the search; see MinMaxOptions.
