@@ -87,7 +87,8 @@ TEST(Invariance, VisualGraphMovesRigidlyWithTheWorld) {
 TEST(Invariance, InertialGraphMovesWithPositionAndHeadingOfTheWorld) {
   const Edges edges = noisy_edges();
   const lie::SE3d T_new_old(lie::SO3d::exp(Vector3d(0.0, 0.0, 2.2)), Vector3d(10.0, -20.0, 5.0));
-  expect_moved(solve(edges, T_new_old, 0, true), solve(edges, {}, 0, true), T_new_old, 1e-8);
+  // The solver stops at a relative change of 1e-15: states are known to its root in sigmas.
+  expect_moved(solve(edges, T_new_old, 0, true), solve(edges, {}, 0, true), T_new_old, 3e-8);
 }
 
 TEST(Invariance, InertialGraphNoticesATiltOfTheWorld) {
