@@ -26,6 +26,8 @@ void AdaptationOptions::describe(Config& config) {
   config.field("patience", patience, "epochs without gain after which it ends; 0: never");
   config.field("guard", guard, "the given weights are the result unless the loss gains on them");
   config.field("matcher", matcher, {"off", "heads", "all"}, "what learns of the matching network");
+  config.field("recall_matches", recall_matches,
+               "a matching network that does not learn is asked once, not in every epoch");
   config.field("motion_noise", motion_noise, "the covariance of motions learns");
   config.field("pose_head", pose_head, "the pose head learns, where there is one");
   config.field("imu", imu, "the IMU network learns, where there is one");

@@ -20,6 +20,8 @@ struct AdaptationOptions : learner::TrainingOptions {
   int edges = 16;           ///< motions of vision per step
 
   std::string matcher = "off";  ///< what learns of the matching network: off, heads, all
+  /// A matching network that does not learn is asked once; later epochs get the same matches.
+  bool recall_matches = true;
   bool motion_noise = true;     ///< the covariance of motions
   bool pose_head = true;        ///< of vo.head: regression
   bool imu = true;              ///< of system.imu: learned

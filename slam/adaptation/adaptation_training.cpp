@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "slam/adaptation/device_refinement.hpp"
-#include "slam/adaptation/inertial_lesson.hpp"
-#include "slam/adaptation/visual_lesson.hpp"
+#include <algorithm>
+
+#include "slam/adaptation/device_agreement.hpp"
 #include "slam/base/error.hpp"
 #include "slam/nn/ops/pointwise.hpp"
 #include "slam/system/known_device.hpp"
@@ -12,15 +12,17 @@
 namespace imslam::adaptation {
 namespace {
 
-using nn::Var;
-
-AdaptationOptions validated(const AdaptationOptions& options) {
+/// Of so many sequences.
+AdaptationOptions completed(const AdaptationOptions& options, std::size_t sequences) {
   options.validate();
-  return options.completed();
+  AdaptationOptions all = options.completed();
+  all.batch *= static_cast<int>(sequences);
+  return all;
 }
 
 /// What the weights depend on.
-std::string text_of(const EpochRequest& request, const std::string& data_sha256) {
+std::string text_of(const std::vector<EpochRequest>& requests, const std::string& data_sha256) {
+  const EpochRequest& request = requests.front();
   Config config;
   system::SlamOptions slam = request.slam;
   slam.describe(config);
@@ -29,120 +31,156 @@ std::string text_of(const EpochRequest& request, const std::string& data_sha256)
                      data_sha256);
 }
 
+std::vector<DeviceCalibration> devices_of(const std::vector<EpochRequest>& requests) {
+  std::vector<DeviceCalibration> devices;
+  for (const EpochRequest& request : requests) {
+    devices.push_back(system::present_device(request.slam, request.sequence));
+  }
+  return devices;
+}
+
+/// Whether any rank says so.
+bool any(ProcessGroup& group, bool own) {
+  const auto all = group.gather(own ? "1" : "0");
+  return group.broadcast(std::count(all.begin(), all.end(), "1") > 0 ? "1" : "0") == "1";
+}
+
+std::string names_of(const std::vector<EpochRequest>& requests) {
+  std::string names;
+  for (const EpochRequest& request : requests) {
+    names += (names.empty() ? "" : ", ") + request.sequence.name();
+  }
+  return names;
+}
+
 }  // namespace
 
-AdaptationTraining::AdaptationTraining(const EpochRequest& request, const std::string& data_sha256)
-    : NetworkTraining(validated(request.options), text_of(request, data_sha256)),
-      request_(request),
+AdaptationTraining::AdaptationTraining(const std::vector<EpochRequest>& requests,
+                                       const std::string& data_sha256,
+                                       ProcessGroup& group)
+    : NetworkTraining(completed(requests.front().options, requests.size()),
+                      text_of(requests, data_sha256)),
+      requests_(requests),
       data_sha256_(data_sha256),
+      group_(group),
       networks_(
-          request.slam, request.options, system::present_device(request.slam, request.sequence)),
-      usable_(static_cast<std::size_t>(common_options().batch), 0) {
+          requests.front().slam, options(), distinct_devices(devices_of(requests), devices_)) {
+  if (group.size() > 1 && networks_.match() != nullptr) {
+    throw InputError(
+        "finetune.matcher: the matching network's running statistics belong to one process; "
+        "leave it off, or use one process",
+        ExitCode::kUsage);
+  }
+  if (requests.size() > 1) share_batches(group, requests.size());
+  for (std::size_t s = 0; s < requests.size(); ++s) {
+    lessons_.push_back(nullptr);
+    if (!group.owns(s)) continue;
+    lessons_[s] = std::make_unique<SequenceLessons>(requests_[s], networks_, devices_[s]);
+  }
+  given_weights_ = present_weights();
   adopt(networks_.parameters());
 }
 
-void AdaptationTraining::begin_epoch(int first_step) {
-  epoch_weights_.clear();
+std::vector<nn::Tensor<float>> AdaptationTraining::present_weights() const {
+  std::vector<nn::Tensor<float>> weights;
   for (const nn::Parameter<float>* parameter : networks_.parameters()) {
-    epoch_weights_.push_back(parameter->value.clone());
+    weights.push_back(parameter->value.clone());
   }
-  try {
-    epoch_ = run_epoch(request_, networks_, first_step / steps_per_epoch());
-  } catch (const InputError& problem) {
-    // Networks that see no motion at all are the worst, and teach nothing; those that were given
-    // must see something.
-    if (problem.code() != ExitCode::kTrackingLost || first_step == 0) throw;
-    epoch_ = std::make_unique<Epoch>();
-    epoch_->reason = problem.what();
-  }
-  epoch_step_ = first_step;
-  if (!truth_) truth_ = true_inertial_log(request_.sequence, epoch_->outcome);
+  return weights;
 }
 
-const Epoch& AdaptationTraining::epoch() {
-  const int first_step = step_count() - step_count() % steps_per_epoch();
-  if (epoch_ && epoch_step_ == first_step) return *epoch_;
-  if (step_count() == first_step || epoch_weights_.empty()) {
-    begin_epoch(step_count());
-    return *epoch_;
-  }
-  // Resumed in the middle of an epoch: run it again with the weights that it began with.
+void AdaptationTraining::with_weights(std::vector<nn::Tensor<float>>& weights,
+                                      const std::function<void()>& act) {
   const auto swap_weights = [&] {
-    for (std::size_t i = 0; i < epoch_weights_.size(); ++i) {
-      std::swap(networks_.parameters()[i].value, epoch_weights_[i]);
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+      std::swap(networks_.parameters()[i].value, weights[i]);
     }
   };
   swap_weights();
-  std::vector<nn::Tensor<float>> now = std::move(epoch_weights_);
-  begin_epoch(first_step);
-  for (std::size_t i = 0; i < now.size(); ++i) networks_.parameters()[i].value = now[i];
-  return *epoch_;
+  act();
+  swap_weights();
+}
+
+void AdaptationTraining::run_sequences(int first_step) {
+  bool stopped = false;
+  for (const auto& lessons : lessons_) {
+    if (!lessons || stopped) continue;
+    try {
+      // Networks that were given must see something.
+      lessons->run(first_step / steps_per_epoch(), first_step == 0);
+    } catch (const InputError& problem) {
+      if (problem.code() != ExitCode::kInterrupted) throw;
+      stopped = true;
+    }
+  }
+  if (!any(group_, stopped)) return;
+  throw InputError("stopped in the middle of an epoch; --resume goes on", ExitCode::kInterrupted);
+}
+
+/// After a resume: the matches of all epochs are those that the given networks asked for.
+void AdaptationTraining::recall_first_matches() {
+  const bool lacking = std::any_of(lessons_.begin(), lessons_.end(), [](const auto& lessons) {
+    return lessons && !lessons->has_matches();
+  });
+  if (any(group_, lacking)) with_weights(given_weights_, [this] { run_sequences(0); });
+}
+
+void AdaptationTraining::begin_epoch(int first_step) {
+  if (first_step > 0) recall_first_matches();
+  epoch_weights_ = present_weights();
+  run_sequences(first_step);
+  epoch_step_ = first_step;
+}
+
+void AdaptationTraining::have_runs() {
+  const int first_step = step_count() - step_count() % steps_per_epoch();
+  if (epoch_step_ == first_step) return;
+  if (step_count() == first_step || epoch_weights_.empty()) return begin_epoch(step_count());
+  // Resumed in the middle of an epoch: run it again with the weights that it began with.
+  std::vector<nn::Tensor<float>> weights = std::move(epoch_weights_);
+  with_weights(weights, [&] { begin_epoch(first_step); });
 }
 
 void AdaptationTraining::prepare_step() {
-  epoch();
-  if (step_count() == epoch_step_) refine_device();
-  std::fill(usable_.begin(), usable_.end(), 0);
-}
-
-/// What the graph says of the device counts from the next run on.
-void AdaptationTraining::refine_device() {
-  const auto& result = epoch_->outcome.result;
-  if (!epoch_->teacher) return;
-  std::optional<ImuNoise> imu;
-  if (request_.sequence.imu()) imu = request_.sequence.imu()->noise;
-  networks_.set_device(refined_device(result, epoch_->device, request_.sequence.camera(), imu,
-                                      request_.slam.system, request_.options));
-}
-
-bool AdaptationTraining::teaches(std::size_t slot) const {
-  if (!epoch_->teacher) return false;
-  if (slot != inertial_slot()) return !epoch_->traces.empty();
-  return networks_.imu_network() != nullptr && epoch_->log.truth.size() >= 2;
-}
-
-Var AdaptationTraining::sample_loss(nn::Tape<float>& tape, std::size_t slot) {
-  const Var nothing = tape.constant(nn::Tensor<float>({1}));
-  if (!teaches(slot)) return nothing;
-  const AdaptationOptions& options = request_.options;
-  const auto step = static_cast<std::size_t>(step_count() % steps_per_epoch());
-  if (slot == inertial_slot()) {
-    const InertialClass of{*networks_.imu_network(),
-                           *epoch_->teacher,
-                           epoch_->log,
-                           request_.slam,
-                           options,
-                           [&](std::size_t state) { return !is_held_out(state, options); }};
-    const Random random = Random(static_cast<std::uint64_t>(options.seed) + 1)
-                              .fork(static_cast<std::uint64_t>(step_count()));
-    usable_[slot] = 1;
-    return scale(tape, inertial_lesson(tape, of, random), options.imu_weight * options.edges);
+  have_runs();
+  if (step_count() == epoch_step_) refine_devices();
+  for (const auto& lessons : lessons_) {
+    if (lessons) lessons->begin_step();
   }
-  const std::size_t place = step * static_cast<std::size_t>(options.edges) + slot;
-  const MotionTrace& trace = epoch_->traces[place % epoch_->traces.size()];
-  const VisualClass of{networks_, *epoch_->teacher, epoch_->camera, request_.slam.vo, options};
-  bool usable = false;
-  const Var lesson = visual_lesson(tape, trace, of, usable);
-  usable_[slot] = usable ? 1 : 0;
-  return usable ? lesson : nothing;
+}
+
+/// What the graphs say of the devices counts from the next runs on.
+void AdaptationTraining::refine_devices() {
+  const auto refined = agreed_devices(group_, devices_, networks_.device_count(),
+                                      [&](std::size_t s) { return lessons_[s]->refined_device(); });
+  for (std::size_t i = 0; i < refined.size(); ++i) networks_.set_device(refined[i], i);
+}
+
+nn::Var AdaptationTraining::sample_loss(nn::Tape<float>& tape, std::size_t slot) {
+  const auto slots = static_cast<std::size_t>(options().edges) + 1;
+  return lessons_[slot / slots]->lesson(tape, slot % slots, step_count());
 }
 
 learner::BatchTally AdaptationTraining::tally() const {
-  learner::BatchTally tally;
-  tally.residual = epoch_->outcome.result.solve.gradient_norm;
-  for (std::size_t slot = 0; slot < usable_.size(); ++slot) {
-    if (usable_[slot] != 0) continue;
-    const bool idle = slot == inertial_slot() && networks_.imu_network() == nullptr;
-    if (!idle) ++tally.refused[static_cast<std::size_t>(learner::Refusal::kUnconverged)];
+  learner::BatchTally all;
+  for (const auto& lessons : lessons_) {
+    if (!lessons) continue;
+    const learner::BatchTally one = lessons->tally();
+    all.residual = std::max(all.residual, one.residual);
+    for (std::size_t i = 0; i < all.refused.size(); ++i) all.refused[i] += one.refused[i];
   }
-  return tally;
+  return all;
 }
 
 learner::ValidationRecord AdaptationTraining::look() {
   return with_average([this] {
     begin_epoch(step_count());
-    const EpochScores scores = score_epoch(*epoch_, request_.options, truth_ ? &*truth_ : nullptr,
-                                           networks_.imu_network());
+    const auto packed = gather_items(group_, lessons_.size(),
+                                     [&](std::size_t s) { return lessons_[s]->scores().packed(); });
+    std::vector<EpochScores> all;
+    for (const std::string& bytes : packed) all.push_back(EpochScores::unpacked(bytes));
+    const std::string mean = group_.rank() == 0 ? mean_of(all).packed() : std::string();
+    const EpochScores scores = EpochScores::unpacked(group_.broadcast(mean));
     return learner::ValidationRecord{scores.held_out_loss, scores.text(), scores.row()};
   });
 }
@@ -154,7 +192,7 @@ void AdaptationTraining::save_more(nn::WeightsWriter& writer) const {
 }
 
 void AdaptationTraining::restore_more(const nn::WeightsFile& checkpoint) {
-  epoch_.reset();
+  epoch_step_ = -1;
   epoch_weights_.clear();
   for (const nn::Parameter<float>* parameter : networks_.parameters()) {
     if (checkpoint.find("epoch/" + parameter->name) == nullptr) return;
@@ -165,14 +203,16 @@ void AdaptationTraining::restore_more(const nn::WeightsFile& checkpoint) {
 
 nn::ModelCard AdaptationTraining::card() const {
   nn::ModelCard card;
-  card.what = "networks of imslam, taught by the graph of one sequence";
-  card.data =
-      fmt::format("{} without labels (sha256 of its index, calibration and inertial files {})",
-                  request_.sequence.name(), data_sha256_);
-  card.seed = fmt::format("{}", request_.options.seed);
-  card.metrics = fmt::format("after {} of {} epochs", step_count() / steps_per_epoch(),
-                             request_.options.epochs);
-  card.limits = "fitted to this sequence, its sensors and surroundings";
+  const bool one = requests_.size() == 1;
+  card.what = fmt::format("networks of imslam, taught by the graph{} of {}", one ? "" : "s",
+                          one ? "one sequence" : fmt::format("{} sequences", requests_.size()));
+  card.data = fmt::format("{} without labels (sha256 of index, calibration and inertial files {})",
+                          names_of(requests_), data_sha256_);
+  card.seed = fmt::format("{}", options().seed);
+  card.metrics =
+      fmt::format("after {} of {} epochs", step_count() / steps_per_epoch(), options().epochs);
+  card.limits = one ? "fitted to this sequence, its sensors and surroundings"
+                    : "fitted to these sequences, their sensors and surroundings";
   return card;
 }
 

@@ -1,30 +1,37 @@
 #pragma once
 
+#include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
-#include "slam/adaptation/epoch.hpp"
-#include "slam/adaptation/epoch_scores.hpp"
+#include "slam/adaptation/sequence_lessons.hpp"
 #include "slam/learner/network_training.hpp"
 
 namespace imslam::adaptation {
 
-/// Imperative learning on one sequence:
+/// Imperative learning on one sequence, or on several at once:
 ///
 ///   epoch   run the front end with the networks as they are; solve the graph      (lower level)
-///           steps_per_epoch times: some motions and a stretch of the inertial log, forward on
-///           tapes, U at the graph's solution, back to the networks                (upper level)
+///           steps_per_epoch times: some motions and a stretch of the inertial log of each
+///           sequence, forward on tapes, U at the graph's solution, back to the networks (upper)
 ///
 /// The solution is that of the epoch's beginning: with one step per epoch the gradient is the exact
 /// "one step" gradient of U; with more, solver and networks take turns on the same U. A graph that
 /// has not converged teaches nothing: its steps are skipped and counted.
 /// What is looked at after an epoch is the run that the next one learns from.
+///
+/// A matching network that does not learn is asked in the first epoch only (recall_matches).
+///
+/// Sequence s belongs to rank s % size of the group: only there is it run. Weights, device
+/// calibrations and looks are the same on all ranks, for any number of them.
 class AdaptationTraining : public learner::NetworkTraining {
  public:
-  /// `data_sha256`: of the sequence; a checkpoint of another one is refused.
-  AdaptationTraining(const EpochRequest& request, const std::string& data_sha256);
+  /// `requests`: one per sequence, with equal options; `data_sha256`: of all of them, a checkpoint
+  /// of others is refused. Throws InputError(kUsage) if options do not go with several processes.
+  AdaptationTraining(const std::vector<EpochRequest>& requests,
+                     const std::string& data_sha256,
+                     ProcessGroup& group);
 
   learner::ValidationRecord look() override;
   std::string log_columns() const override { return EpochScores::columns(); }
@@ -40,22 +47,27 @@ class AdaptationTraining : public learner::NetworkTraining {
   void save_more(nn::WeightsWriter& writer) const override;
   void restore_more(const nn::WeightsFile& checkpoint) override;
 
-  int steps_per_epoch() const { return request_.options.steps_per_epoch; }
-  std::size_t inertial_slot() const { return static_cast<std::size_t>(request_.options.edges); }
-  bool teaches(std::size_t slot) const;
-  /// The run with the weights that the present epoch began with.
-  const Epoch& epoch();
+  const AdaptationOptions& options() const { return requests_.front().options; }
+  int steps_per_epoch() const { return options().steps_per_epoch; }
+  /// Makes sure that the runs are those with the weights that the present epoch began with.
+  void have_runs();
   void begin_epoch(int first_step);
-  void refine_device();
+  void run_sequences(int first_step);
+  void recall_first_matches();
+  void refine_devices();
+  /// Calls `act` while all parameters have other values.
+  void with_weights(std::vector<nn::Tensor<float>>& weights, const std::function<void()>& act);
+  std::vector<nn::Tensor<float>> present_weights() const;
 
-  EpochRequest request_;
+  std::vector<EpochRequest> requests_;
   std::string data_sha256_;
+  ProcessGroup& group_;
+  std::vector<std::size_t> devices_;  ///< by sequence
   LearnedNetworks networks_;
-  std::unique_ptr<Epoch> epoch_;
-  int epoch_step_ = -1;                           ///< step_count() when epoch_ was run
+  std::vector<std::unique_ptr<SequenceLessons>> lessons_;  ///< by sequence; null: another rank's
+  std::vector<nn::Tensor<float>> given_weights_;           ///< all parameters as given
+  int epoch_step_ = -1;                           ///< step_count() when the sequences were run
   std::vector<nn::Tensor<float>> epoch_weights_;  ///< all parameters then
-  std::optional<training::InertialLog> truth_;    ///< of the inertial sensor
-  std::vector<char> usable_;                      ///< by slot of the last batch
 };
 
 }  // namespace imslam::adaptation

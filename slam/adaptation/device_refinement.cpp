@@ -69,13 +69,18 @@ void take_focal_length(const system::SlamResult& result,
   device.focal_error = (1.0 + device.focal_error) * (1.0 + focal->value) - 1.0;
 }
 
-void take_offsets(const system::SlamResult& result,
-                  const system::SystemOptions& priors,
-                  DeviceCalibration& device) {
+void take_disparity_offset(const system::SlamResult& result,
+                           const system::SystemOptions& priors,
+                           DeviceCalibration& device) {
   const auto& disparity = result.disparity_offset_px;
   if (is_known(disparity.sigma, priors.disparity_offset_prior_px)) {
     device.disparity_offset_px = disparity.value;
   }
+}
+
+void take_time_offset(const system::SlamResult& result,
+                      const system::SystemOptions& priors,
+                      DeviceCalibration& device) {
   const auto& offset = result.time_offset_s;
   if (offset && is_known(offset->sigma, priors.time_offset_prior_s)) {
     device.time_offset_s = offset->value;
@@ -123,11 +128,15 @@ DeviceCalibration refined_device(const system::SlamResult& result,
                                  const DeviceCalibration& assumed,
                                  const StereoCamera& stated,
                                  const std::optional<ImuNoise>& imu,
-                                 const system::SystemOptions& priors,
+                                 const system::SlamOptions& slam,
                                  const AdaptationOptions& options) {
   DeviceCalibration refined = assumed;
+  const system::SystemOptions& priors = slam.system;
   if (!result.solve.converged) return refined;
-  if (options.calibration) take_offsets(result, priors, refined);
+  if (options.calibration) take_time_offset(result, priors, refined);
+  if (options.calibration && slam.vo.head == "geometric") {
+    take_disparity_offset(result, priors, refined);
+  }
   if (imu && imu->gyro_bias_sigma <= options.trusted_gyro_bias) {
     if (options.calibration) take_focal_length(result, priors, refined);
     if (options.camera_rotation) take_rotation(result, calibrated(stated, assumed), refined);

@@ -46,7 +46,9 @@ std::vector<MotionTrace> in_order(std::vector<MotionTrace>&& traces,
 
 std::unique_ptr<Epoch> run_epoch(const EpochRequest& request,
                                  const LearnedNetworks& networks,
-                                 int number) {
+                                 const DeviceCalibration& device,
+                                 int number,
+                                 const std::shared_ptr<vo::MatchRecording>& matches) {
   const std::size_t count = request.sequence.frame_count();
   const std::size_t first = request.run.first_frame;
   const std::size_t last = request.run.last_frame == 0 ? count : request.run.last_frame;
@@ -54,11 +56,13 @@ std::unique_ptr<Epoch> run_epoch(const EpochRequest& request,
   std::vector<bool> wanted(count, false);
   for (const std::size_t frame : frames) wanted[frame] = true;
   auto epoch = std::make_unique<Epoch>();
-  epoch->device = networks.device();
+  epoch->device = device;
   epoch->camera = calibrated(request.sequence.camera(), epoch->device);
   MotionTracer tracer(std::move(wanted), epoch->camera, networks.match() != nullptr);
 
-  const system::Networks snapshot = networks.snapshot();
+  system::Networks snapshot = networks.snapshot();
+  if (matches && matches->size() > 0) snapshot.matches = matches;
+  if (matches && matches->size() == 0) snapshot.record_matches = matches;
   system::RunRequest run = request.run;
   run.networks = &snapshot;
   run.device = epoch->device;

@@ -30,11 +30,15 @@ struct EpochRequest {
   system::RunRequest run;  ///< frames, and who is told how far it is
 };
 
-/// Runs the sequence; `number` decides which motions are traced: steps_per_epoch x edges of those
-/// that are not held out, drawn without putting back (all, over and over, if there are fewer).
-/// Throws what run_sequence() throws, and InputError(kInterrupted) if keep_going said stop.
+/// Runs the sequence on `device`; `number` decides which motions are traced: steps_per_epoch x
+/// edges of those that are not held out, drawn without putting back (all, over and over, if there
+/// are fewer). `matches` (may be null) takes the matcher's answers down if it is empty, else stands
+/// in for the matcher. Throws what run_sequence() throws, and InputError(kInterrupted) if
+/// keep_going said stop.
 std::unique_ptr<Epoch> run_epoch(const EpochRequest& request,
                                  const LearnedNetworks& networks,
-                                 int number);
+                                 const DeviceCalibration& device,
+                                 int number,
+                                 const std::shared_ptr<vo::MatchRecording>& matches = nullptr);
 
 }  // namespace imslam::adaptation

@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <array>
+#include <cmath>
+#include <cstring>
+
 #include "imu_net/imu_corrector.hpp"
+#include "slam/base/error.hpp"
 #include "slam/base/time.hpp"
 #include "slam/training/inertial_methods.hpp"
 #include "slam/training/open_integration.hpp"
@@ -36,6 +41,15 @@ void score_inertial(const training::InertialLog& truth,
   scores.imu_position_m = score.position_rms;
 }
 
+/// What needs truth.
+constexpr std::array<std::optional<double> EpochScores::*, 8> kFigures{
+    &EpochScores::vo_ate_m,         &EpochScores::vo_rpe_m,      &EpochScores::vo_rpe_deg,
+    &EpochScores::graph_ate_m,      &EpochScores::graph_rpe_m,   &EpochScores::graph_rpe_deg,
+    &EpochScores::imu_rotation_deg, &EpochScores::imu_position_m};
+
+/// The losses, then the figures; NaN: not known.
+using Numbers = std::array<double, 2 + kFigures.size()>;
+
 std::string number(const std::optional<double>& value) {
   return value ? fmt::format("{:.6g}", *value) : std::string();
 }
@@ -65,6 +79,49 @@ std::string EpochScores::text() const {
                         *imu_position_m);
   }
   return line;
+}
+
+std::string EpochScores::packed() const {
+  Numbers numbers{held_out_loss, learned_loss};
+  for (std::size_t i = 0; i < kFigures.size(); ++i) {
+    numbers[2 + i] = (this->*kFigures[i]).value_or(std::nan(""));
+  }
+  std::string bytes(sizeof(numbers), '\0');
+  std::memcpy(bytes.data(), numbers.data(), sizeof(numbers));
+  return bytes;
+}
+
+EpochScores EpochScores::unpacked(const std::string& bytes) {
+  Numbers numbers{};
+  expects(bytes.size() == sizeof(numbers), "EpochScores: bytes of packed()");
+  std::memcpy(numbers.data(), bytes.data(), sizeof(numbers));
+  EpochScores scores;
+  scores.held_out_loss = numbers[0];
+  scores.learned_loss = numbers[1];
+  for (std::size_t i = 0; i < kFigures.size(); ++i) {
+    if (!std::isnan(numbers[2 + i])) scores.*kFigures[i] = numbers[2 + i];
+  }
+  return scores;
+}
+
+EpochScores mean_of(const std::vector<EpochScores>& all) {
+  expects(!all.empty(), "mean_of: at least one sequence");
+  EpochScores mean;
+  const auto count = static_cast<double>(all.size());
+  for (const EpochScores& one : all) {
+    mean.held_out_loss += one.held_out_loss / count;
+    mean.learned_loss += one.learned_loss / count;
+  }
+  for (const auto figure : kFigures) {
+    double sum = 0.0;
+    double known = 0.0;
+    for (const EpochScores& one : all) {
+      if (one.*figure) sum += *(one.*figure);
+      if (one.*figure) known += 1.0;
+    }
+    if (known > 0.0) mean.*figure = sum / known;
+  }
+  return mean;
 }
 
 EpochScores score_epoch(const Epoch& epoch,

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "slam/adaptation/epoch.hpp"
 #include "slam/training/inertial_log.hpp"
@@ -21,12 +22,19 @@ struct EpochScores {
   std::optional<double> imu_rotation_deg;  ///< RMS of open integration over kImuWindow_s
   std::optional<double> imu_position_m;
 
+  /// For another process, bit by bit.
+  std::string packed() const;
+  static EpochScores unpacked(const std::string& bytes);
+
   std::string text() const;  ///< one line
   std::string row() const;   ///< comma separated, in the order of columns(); all but the loss
   static std::string columns();
 };
 
 inline constexpr double kImuWindow_s = 5.0;
+
+/// Of several sequences, each as much as the others; of each figure over those that have it.
+EpochScores mean_of(const std::vector<EpochScores>& all);
 
 /// `truth`: of the inertial sensor, or null; `network`: null for raw readings.
 EpochScores score_epoch(const Epoch& epoch,

@@ -25,9 +25,9 @@ struct Scored {
 Scored run_and_score(const EpochRequest& request, const system::SlamOptions& slam) {
   AdaptationOptions nothing = request.options;
   nothing.steps_per_epoch = 0;  // no motions are traced
-  const LearnedNetworks networks(slam, nothing, system::present_device(slam, request.sequence));
+  const LearnedNetworks networks(slam, nothing, {system::present_device(slam, request.sequence)});
   EpochRequest plain{request.sequence, slam, nothing, request.run};
-  auto epoch = run_epoch(plain, networks, 0);
+  auto epoch = run_epoch(plain, networks, networks.device(), 0);
   const auto truth = true_inertial_log(request.sequence, epoch->outcome);
   Scored scored;
   scored.scores =
@@ -105,7 +105,8 @@ std::string sequence_sha256(const datasets::Sequence& sequence) {
 FinetuneOutcome finetune(const EpochRequest& epoch,
                          const std::string& config_yaml,
                          learner::TrainingRequest request) {
-  AdaptationTraining training(epoch, sequence_sha256(epoch.sequence));
+  const auto alone = single_process();
+  AdaptationTraining training({epoch}, sequence_sha256(epoch.sequence), *alone);
   request.start = request.folder / kBefore;
   keep_given_weights(training, request);
   FinetuneOutcome outcome;

@@ -17,8 +17,8 @@ constexpr const char* kMatch = "match_network";
 constexpr const char* kNoise = "motion_noise";
 constexpr const char* kHead = "pose_head";
 constexpr const char* kImu = "imu_network";
-constexpr const char* kCalibration = "device/calibration";
 constexpr const char* kDeviceFile = "device.yaml";
+constexpr const char* kDeviceFolder = "devices";
 
 /// Focal error, disparity offset [px], time offset [s], camera rotation [rad].
 constexpr nn::Index kCalibrationSize = 6;
@@ -78,8 +78,9 @@ nn::ModelCard untrained_noise_card() {
 
 LearnedNetworks::LearnedNetworks(const system::SlamOptions& slam,
                                  const AdaptationOptions& options,
-                                 const DeviceCalibration& device)
-    : known_device_(device), calibration_(nn::Shape{kCalibrationSize}, false) {
+                                 std::vector<DeviceCalibration> devices)
+    : known_devices_(std::move(devices)) {
+  expects(!known_devices_.empty(), "LearnedNetworks: at least one device");
   if (slam.system.front_end == "learned" && options.matcher != "off") {
     auto trained = vo::load_match_network(slam.vo.learned.weights, vo::MatchUse::kTraining);
     match_ = std::move(trained.network);
@@ -103,10 +104,11 @@ LearnedNetworks::LearnedNetworks(const system::SlamOptions& slam,
     adopt(kHead, *head_, trained.card);
   }
   if (slam.system.imu == "learned" && options.imu) {
-    const auto trained =
-        imu::load_imu_network(slam.imu_network.weights, known_device_.reading_offset);
+    const bool one_sensor = device_count() == 1;  // what it alone has may be learned
+    const auto trained = imu::load_imu_network(
+        slam.imu_network.weights, one_sensor ? known_devices_[0].reading_offset : ImuBias());
     imu_ = std::make_shared<imu::ImuNetwork<float>>(*trained.network);
-    imu_->sensor_offset.trainable = true;  // one sensor: what it alone has may be learned
+    imu_->sensor_offset.trainable = one_sensor;
     adopt(kImu, *imu_, trained.card);
   }
   if (parts_.empty()) {
@@ -116,8 +118,13 @@ LearnedNetworks::LearnedNetworks(const system::SlamOptions& slam,
         ExitCode::kUsage);
   }
   choose(options);
-  set_device(device);
-  list_.add(kCalibration, calibration_);
+  calibrations_.resize(device_count());
+  for (std::size_t i = 0; i < device_count(); ++i) {
+    calibrations_[i] = nn::Parameter<float>(nn::Shape{kCalibrationSize}, false);
+    set_device(known_devices_[i], i);
+    list_.add(device_count() == 1 ? "device/calibration" : "device/" + known_devices_[i].device,
+              calibrations_[i]);
+  }
 }
 
 template <typename Network>
@@ -153,28 +160,39 @@ system::Networks LearnedNetworks::snapshot() const {
   return networks;
 }
 
-DeviceCalibration LearnedNetworks::device() const {
-  DeviceCalibration device = known_device_;
-  from_numbers(calibration_.value, device);
+DeviceCalibration LearnedNetworks::device(std::size_t index) const {
+  DeviceCalibration device = known_devices_.at(index);
+  from_numbers(calibrations_[index].value, device);
   return device;
 }
 
-void LearnedNetworks::set_device(const DeviceCalibration& device) {
-  to_numbers(device, calibration_.value);
+void LearnedNetworks::set_device(const DeviceCalibration& device, std::size_t index) {
+  to_numbers(device, calibrations_.at(index).value);
 }
 
 /// The numbers of the joint file.
-DeviceCalibration LearnedNetworks::device_of(const nn::WeightsFile& joint) const {
+DeviceCalibration LearnedNetworks::device_of(const nn::WeightsFile& joint,
+                                             std::size_t index) const {
   nn::Tensor<float> numbers({kCalibrationSize});
-  joint.read_into(kCalibration, numbers);
-  DeviceCalibration device = known_device_;
+  joint.read_into(calibrations_[index].name, numbers);
+  DeviceCalibration device = known_devices_[index];
   from_numbers(numbers, device);
-  if (imu_) {
+  if (imu_ && device_count() == 1) {
     imu::ImuNetwork<float> network = *imu_;
     read_network(kImu, network, joint);
     device.reading_offset = network.reading_offset();
   }
   return device;
+}
+
+void LearnedNetworks::write_devices(const nn::WeightsFile& joint,
+                                    const std::filesystem::path& folder) const {
+  if (device_count() == 1) return write_device(folder / kDeviceFile, device_of(joint, 0));
+  std::filesystem::create_directories(folder / kDeviceFolder);
+  for (std::size_t i = 0; i < device_count(); ++i) {
+    write_device(folder / kDeviceFolder / (known_devices_[i].device + ".yaml"),
+                 device_of(joint, i));
+  }
 }
 
 std::vector<std::filesystem::path> LearnedNetworks::write(const std::filesystem::path& joint,
@@ -195,7 +213,7 @@ std::vector<std::filesystem::path> LearnedNetworks::write(const std::filesystem:
     if (part.name == kHead) write_network(kHead, *head_, numbers, files.back(), own);
     if (part.name == kImu) write_network(kImu, *imu_, numbers, files.back(), own);
   }
-  write_device(folder / kDeviceFile, device_of(numbers));
+  write_devices(numbers, folder);
   return files;
 }
 
@@ -212,6 +230,7 @@ std::vector<std::string> network_assignments(const std::filesystem::path& folder
   use(std::string(kImu) + kSuffix, "imu_network.weights");
   const bool networks = !assignments.empty();
   use(kDeviceFile, "system.device");
+  use(kDeviceFolder, "system.device");
   if (!networks) {
     throw InputError(folder.string() +
                          ": no network here; expected the weights folder of a fine-tuning "

@@ -39,7 +39,7 @@ OnlineAdapter::OnlineAdapter(const system::SlamOptions& slam,
     : slam_(slam),
       options_(online(options)),
       sequence_(sequence),
-      networks_(slam, options_, system::present_device(slam, sequence)),
+      networks_(slam, options_, {system::present_device(slam, sequence)}),
       camera_(calibrated(sequence.camera(), networks_.device())),
       in_use_(networks_.snapshot()),
       tracer_(

@@ -6,6 +6,7 @@
 #include "slam/base/error.hpp"
 #include "slam/base/parallel.hpp"
 #include "slam/base/text.hpp"
+#include "slam/learner/shared_batch.hpp"
 #include "slam/nn/training/schedule.hpp"
 
 namespace imslam::learner {
@@ -31,12 +32,23 @@ void NetworkTraining::adopt(const nn::ParameterList<float>& parameters) {
   gradients_ = nn::zero_gradients(parameters_);
 }
 
+void NetworkTraining::share_batches(ProcessGroup& group, std::size_t parts) {
+  group_ = &group;
+  parts_ = parts;
+}
+
+double NetworkTraining::run_batch() {
+  const auto samples = static_cast<std::size_t>(common_.batch);
+  const auto loss = [this](nn::Tape<float>& tape, std::size_t slot) {
+    return sample_loss(tape, slot);
+  };
+  if (group_ == nullptr) return batch_->run(samples, loss, gradients_);
+  return shared_batch(*group_, *batch_, samples, parts_, loss, gradients_);
+}
+
 double NetworkTraining::step() {
   prepare_step();
-  double loss = batch_->run(
-      static_cast<std::size_t>(common_.batch),
-      [this](nn::Tape<float>& tape, std::size_t slot) { return sample_loss(tape, slot); },
-      gradients_);
+  double loss = run_batch();
   const bool any_used = scale_to_used_samples(loss);
   const nn::CosineSchedule schedule{common_.rate, common_.steps, common_.warm_up};
   record_.loss = loss;
@@ -57,7 +69,7 @@ double NetworkTraining::step() {
 
 /// Refused samples count 0 in the sums: loss and gradients become means over the others.
 bool NetworkTraining::scale_to_used_samples(double& loss) {
-  const BatchTally seen = tally();
+  const BatchTally seen = group_ == nullptr ? tally() : shared_tally(*group_, tally());
   record_.residual = seen.residual;
   const std::int64_t refused = seen.refused_samples();
   if (refused == 0) return true;

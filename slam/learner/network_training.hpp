@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "slam/base/process_group.hpp"
 #include "slam/learner/training_options.hpp"
 #include "slam/learner/training_record.hpp"
 #include "slam/nn/model_card.hpp"
@@ -86,6 +87,11 @@ class NetworkTraining {
   /// Once, before all else: the parameters of the network that a derived class holds.
   void adopt(const nn::ParameterList<float>& parameters);
 
+  /// The batch falls into parts that the processes of a group share: see shared_batch(). All ranks
+  /// hold the same weights and call the same functions in the same order; `group` lives longer.
+  /// sample_loss() and tally() are then about the parts that are this rank's own.
+  void share_batches(ProcessGroup& group, std::size_t parts);
+
   /// Before each step, on the calling thread.
   virtual void prepare_step() {}
   /// The loss of one sample of the present step; called from several threads at once.
@@ -111,6 +117,7 @@ class NetworkTraining {
 
  private:
   void swap_average();
+  double run_batch();
   bool scale_to_used_samples(double& loss);
   void save_counts(nn::WeightsWriter& writer) const;
   void restore_counts(const nn::WeightsFile& checkpoint);
@@ -119,6 +126,8 @@ class NetworkTraining {
   std::string options_text_;
   nn::ParameterList<float> parameters_;
   std::optional<nn::DataParallel<float>> batch_;
+  ProcessGroup* group_ = nullptr;  ///< null: one process has it all
+  std::size_t parts_ = 1;
   nn::Adam<float> optimizer_;
   nn::WeightAverage<float> average_;
   nn::Gradients<float> gradients_;

@@ -60,7 +60,7 @@ class TrainingRun {
   TrainingOutcome run() {
     outcome_.weights = request_.folder / weights_name(training_.name());
     while (!training_.done() && !outcome_.stopped) advance();
-    training_.save(request_.folder / kCheckpoint);
+    save();
     outcome_.steps = training_.step_count();
     outcome_.skipped = training_.skipped_steps();
     outcome_.omitted = training_.skipped().text();
@@ -81,8 +81,12 @@ class TrainingRun {
     const int step = training_.step_count();
     smooth_loss_ = smooth_loss_ == 0.0 ? loss : 0.95 * smooth_loss_ + 0.05 * loss;
     if (step % options().validation_every == 0 || training_.done()) validate();
-    if (step % options().checkpoint_every == 0) training_.save(request_.folder / kCheckpoint);
+    if (step % options().checkpoint_every == 0) save();
     outcome_.stopped = request_.keep_going && !request_.keep_going(step, options().steps, note());
+  }
+
+  void save() {
+    if (request_.writes) training_.save(request_.folder / kCheckpoint);
   }
 
   /// How it goes, for a progress line that knows rate and time left itself.
@@ -116,7 +120,7 @@ class TrainingRun {
     rows_.push_back(fmt::format("{},{},{:.6f},{},{:.4g},{:.2g},{:.4g},{}", step,
                                 step * options().batch, seen.loss, seen.row, last.gradient_norm,
                                 last.residual, last.rate, training_.skipped_steps()));
-    write_log(request_.folder / kLog, training_.log_columns(), rows_);
+    if (request_.writes) write_log(request_.folder / kLog, training_.log_columns(), rows_);
   }
 
   std::string pace() const {
@@ -129,6 +133,7 @@ class TrainingRun {
   }
 
   void keep_weights(const ValidationRecord& seen) {
+    if (!request_.writes) return;
     nn::ModelCard card = training_.card();
     card.command = request_.command;
     card.metrics += ": " + seen.text;
@@ -147,6 +152,7 @@ class TrainingRun {
 }  // namespace
 
 void prepare_training_folder(const TrainingRequest& request, const std::string& name) {
+  if (!request.writes) return;
   std::error_code error;
   const bool used = fs::exists(request.folder / kCheckpoint) || fs::exists(request.folder / kLog);
   if (used && !request.resume && !request.force) {
@@ -172,7 +178,9 @@ TrainingOutcome run_training(NetworkTraining& training,
                              const std::string& config_yaml,
                              const TrainingRequest& request) {
   prepare_training_folder(request, training.name());
-  const auto write_config = [&] { write_file_atomic(request.folder / "config.yaml", config_yaml); };
+  const auto write_config = [&] {
+    if (request.writes) write_file_atomic(request.folder / "config.yaml", config_yaml);
+  };
   // What is there stays until it is sure that the training goes on with the same options.
   if (!request.resume) write_config();
   TrainingRun run(training, request);

@@ -16,6 +16,7 @@ struct TrainingRequest {
   bool resume = false;                 ///< go on from the checkpoint, if there is one
   bool force = false;                  ///< throw an earlier training away
   std::string force_flag = "--force";  ///< as people ask for it
+  bool writes = true;                  ///< false: another process of the group does
   std::filesystem::path start;         ///< weights to begin with; empty: random ones
   std::string command;                 ///< as typed, for the model card
   /// Called after every step with the steps done, all steps and a note for people; false: stop in

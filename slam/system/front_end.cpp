@@ -32,12 +32,18 @@ FrontEnd make_front_end(const SlamOptions& options,
                         const DeviceCalibration& device) {
   const Networks given = networks != nullptr ? *networks : Networks();
   FrontEnd front_end;
-  if (options.system.front_end == "klt") {
+  if (given.matches) {
+    front_end.matcher = std::make_unique<vo::ReplayingMatcher>(given.matches);
+  } else if (options.system.front_end == "klt") {
     front_end.matcher = std::make_unique<vo::KltMatcher>(options.vo.klt, camera);
   } else {
     const auto load = [&] { return vo::load_match_network(options.vo.learned.weights); };
     front_end.matcher = std::make_unique<vo::LearnedMatcher>(
         options.vo.learned, camera, network_of(given.match, "match_network", load, front_end));
+  }
+  if (given.record_matches) {
+    front_end.matcher =
+        std::make_unique<vo::RecordingMatcher>(std::move(front_end.matcher), given.record_matches);
   }
   if (options.vo.head == "regression") {
     const auto load = [&] { return vo::load_pose_head(options.vo.regression.weights); };

@@ -10,6 +10,7 @@
 #include "slam/sensors/device_calibration.hpp"
 #include "slam/system/slam_options.hpp"
 #include "vo_net/match_network.hpp"
+#include "vo_net/match_recording.hpp"
 #include "vo_net/matcher.hpp"
 #include "vo_net/motion_noise.hpp"
 #include "vo_net/pose_head.hpp"
@@ -33,7 +34,9 @@ struct FrontEnd {
 
 /// Networks that are used instead of those that the options name, e.g. while they learn.
 struct Networks {
-  std::shared_ptr<vo::MatchNetwork<float>> match;  ///< folded: for inference only
+  std::shared_ptr<const vo::MatchRecording> matches;   ///< instead of any matcher; or null
+  std::shared_ptr<vo::MatchRecording> record_matches;  ///< where the matcher's go; or null
+  std::shared_ptr<vo::MatchNetwork<float>> match;      ///< folded: for inference only
   std::shared_ptr<const vo::PoseHead<float>> pose_head;
   std::shared_ptr<const vo::MotionNoise<float>> motion_noise;
   std::shared_ptr<const imu::ImuNetwork<float>> imu_network;

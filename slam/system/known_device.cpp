@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <optional>
 
 namespace imslam::system {
@@ -24,8 +25,14 @@ DeviceCalibration known_device(const SlamOptions& options,
                                std::string& why_not) {
   why_not.clear();
   if (options.system.device.empty()) return {};
-  const DeviceCalibration device = read_device(options.system.device);
   const std::string present = fingerprint_of(sequence);
+  std::filesystem::path file = options.system.device;
+  if (std::filesystem::is_directory(file)) file /= present + ".yaml";
+  if (file != options.system.device && !std::filesystem::exists(file)) {
+    why_not = fmt::format("{} knows nothing of this device ({})", options.system.device, present);
+    return {};
+  }
+  const DeviceCalibration device = read_device(file);
   if (device.device.empty() || device.device == present) return device;
   why_not = fmt::format("{} is of another device ({}, this one is {}): its calibration is not used",
                         options.system.device, device.device, present);

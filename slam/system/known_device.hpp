@@ -9,7 +9,8 @@
 namespace imslam::system {
 
 /// What is known of the device that recorded a sequence: that of the file options.system.device, if
-/// it is of this device. If not, nothing, and `why_not` says so; without a file both are empty.
+/// it is of this device, or of the file FINGERPRINT.yaml in the folder of that name. If there is
+/// none, nothing, and `why_not` says so; without a name both are empty.
 /// Throws what read_device() throws.
 DeviceCalibration known_device(const SlamOptions& options,
                                const datasets::Sequence& sequence,
