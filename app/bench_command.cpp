@@ -3,21 +3,18 @@
 #include <sys/file.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
-#include <thread>
 
 #include "app/bench_rows.hpp"
 #include "app/command.hpp"
 #include "app/interrupt.hpp"
+#include "app/suite_place.hpp"
 #include "slam/base/file.hpp"
 #include "slam/base/log.hpp"
-#include "slam/base/parallel.hpp"
 #include "slam/base/process_group.hpp"
 #include "slam/system/run_folder.hpp"
 #include "slam/system/suite_bench.hpp"
@@ -25,8 +22,6 @@
 namespace imslam::app {
 namespace fs = std::filesystem;
 namespace {
-
-constexpr const char* kRootVariable = "IMSLAM_SUITE_ROOT";
 
 constexpr const char* kExamples =
     "Examples:\n"
@@ -43,33 +38,10 @@ constexpr const char* kExamples =
     "data.\n"
     "Without --root the environment's IMSLAM_SUITE_ROOT counts, then the file's root.";
 
-/// --root before the environment before the file; empty: none is given.
-fs::path given_root(const BenchArguments& arguments, const system::Suite& suite) {
-  if (!arguments.root.empty()) return arguments.root;
-  const char* variable = std::getenv(kRootVariable);
-  return variable != nullptr && *variable != '\0' ? fs::path(variable) : suite.root;
-}
-
-fs::path choose_root(const BenchArguments& arguments, const system::Suite& suite) {
-  const fs::path root = given_root(arguments, suite);
-  if (root.empty()) {
-    throw InputError(fmt::format("{}: where are the sequences? give --root or {}", arguments.suite,
-                                 kRootVariable),
-                     ExitCode::kUsage);
-  }
-  if (!fs::is_directory(root)) {
-    throw InputError(
-        fmt::format("{}: no such folder; give the one that holds the sequences with "
-                    "--root or {}",
-                    root.string(), kRootVariable));
-  }
-  return root;
-}
-
 /// What is published, and which sequences are there.
 ExitCode list(const BenchArguments& arguments, const system::Suite& suite) {
   std::fputs(system::as_text(system::make_suite_table(suite, {})).c_str(), stdout);
-  const fs::path root = given_root(arguments, suite);
+  const fs::path root = given_root(arguments.root, suite);
   for (const system::SuiteSequence& sequence : suite.sequences) {
     const auto found = root.empty() ? std::nullopt : system::find_sequence(root, sequence);
     std::printf("%s: %s\n", sequence.name.c_str(), found ? found->c_str() : "not there");
@@ -101,16 +73,10 @@ class FolderLock {
   int descriptor_ = -1;
 };
 
-void share_processors(const CommonOptions& common, const ProcessOptions& processes) {
-  if (common.threads > 0) return;
-  const auto all = static_cast<int>(std::thread::hardware_concurrency());
-  set_thread_count(std::max(1, all / processes_on_this_machine(processes)));
-}
-
 ExitCode bench(const BenchArguments& arguments, const CommonOptions& common) {
   const system::Suite suite = system::read_suite(find_config(arguments.suite));
   if (arguments.list) return list(arguments, suite);
-  const fs::path root = choose_root(arguments, suite);
+  const fs::path root = choose_root(arguments.root, arguments.suite, suite);
   const fs::path out = arguments.out.empty()
                            ? fs::path("runs") / ("bench_" + system::safe_name(suite.name))
                            : fs::path(arguments.out);

@@ -119,7 +119,8 @@ Prepare learn_before(const adaptation::AdaptationOptions& adaptation,
     Config config;
     adaptation::AdaptationOptions printed = adaptation;
     config.section("finetune", printed);
-    const auto outcome = adaptation::finetune(epoch, config.to_yaml(), training);
+    const auto outcome =
+        adaptation::finetune({epoch}, config.to_yaml(), training, *single_process(), {});
     if (outcome.training.stopped) throw InputError("stopped", ExitCode::kInterrupted);
     adaptation::use_networks(training.folder / "weights", options);
     request.networks = nullptr;

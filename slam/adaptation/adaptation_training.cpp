@@ -39,16 +39,10 @@ std::vector<DeviceCalibration> devices_of(const std::vector<EpochRequest>& reque
   return devices;
 }
 
-/// Whether any rank says so.
-bool any(ProcessGroup& group, bool own) {
-  const auto all = group.gather(own ? "1" : "0");
-  return group.broadcast(std::count(all.begin(), all.end(), "1") > 0 ? "1" : "0") == "1";
-}
-
 std::string names_of(const std::vector<EpochRequest>& requests) {
   std::string names;
   for (const EpochRequest& request : requests) {
-    names += (names.empty() ? "" : ", ") + request.sequence.name();
+    names += (names.empty() ? "" : ", ") + request.name();
   }
   return names;
 }
@@ -113,7 +107,7 @@ void AdaptationTraining::run_sequences(int first_step) {
       stopped = true;
     }
   }
-  if (!any(group_, stopped)) return;
+  if (!group_.any(stopped)) return;
   throw InputError("stopped in the middle of an epoch; --resume goes on", ExitCode::kInterrupted);
 }
 
@@ -122,7 +116,7 @@ void AdaptationTraining::recall_first_matches() {
   const bool lacking = std::any_of(lessons_.begin(), lessons_.end(), [](const auto& lessons) {
     return lessons && !lessons->has_matches();
   });
-  if (any(group_, lacking)) with_weights(given_weights_, [this] { run_sequences(0); });
+  if (group_.any(lacking)) with_weights(given_weights_, [this] { run_sequences(0); });
 }
 
 void AdaptationTraining::begin_epoch(int first_step) {

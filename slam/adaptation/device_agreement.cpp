@@ -83,4 +83,15 @@ std::vector<DeviceCalibration> agreed_devices(
   return agreed;
 }
 
+std::string packed(const DeviceCalibration& device) {
+  return pack_strings({device.device, bytes_of(numbers_of(device))});
+}
+
+DeviceCalibration unpacked_device(const std::string& bytes) {
+  const auto parts = unpack_strings(bytes);
+  DeviceCalibration device = device_of(numbers_in(parts.at(1)));
+  device.device = parts.at(0);
+  return device;
+}
+
 }  // namespace imslam::adaptation

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "slam/base/process_group.hpp"
@@ -21,5 +22,9 @@ std::vector<DeviceCalibration> agreed_devices(
     const std::vector<std::size_t>& indices,
     std::size_t devices,
     const std::function<DeviceCalibration(std::size_t sequence)>& said);
+
+/// For another process, bit by bit: fingerprint and calibration, no offsets of readings.
+std::string packed(const DeviceCalibration& device);
+DeviceCalibration unpacked_device(const std::string& bytes);
 
 }  // namespace imslam::adaptation

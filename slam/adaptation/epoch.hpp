@@ -28,6 +28,9 @@ struct EpochRequest {
   const system::SlamOptions& slam;
   const AdaptationOptions& options;
   system::RunRequest run;  ///< frames, and who is told how far it is
+  std::string label = {};  ///< among several sequences; empty: its own name
+
+  std::string name() const { return label.empty() ? sequence.name() : label; }
 };
 
 /// Runs the sequence on `device`; `number` decides which motions are traced: steps_per_epoch x

@@ -1,11 +1,10 @@
 #include "slam/adaptation/finetune.hpp"
 
-#include <fmt/format.h>
+#include <string>
 
-#include <array>
-#include <tuple>
-
+#include "slam/adaptation/device_agreement.hpp"
 #include "slam/base/file.hpp"
+#include "slam/base/packed_strings.hpp"
 #include "slam/nn/weights_io.hpp"
 #include "slam/system/known_device.hpp"
 
@@ -83,13 +82,63 @@ void keep_given_weights(AdaptationTraining& training, const learner::TrainingReq
   }
 }
 
-std::string cell(const std::optional<double>& value) {
-  return value ? fmt::format("{:.5g}", *value) : "-";
+/// Both runs, one after the other.
+FinetunedSequence compare(const EpochRequest& request,
+                          const fs::path& weights,
+                          std::size_t index,
+                          const TakeRun& take_run) {
+  FinetunedSequence sequence;
+  sequence.name = request.name();
+  Scored before = run_and_score(request, request.slam);
+  sequence.before = before.scores;
+  sequence.device_before = before.outcome.result.device;
+  if (take_run) take_run(index, FinetuneRun::kZeroShot, before.outcome);
+  before = {};
+  system::SlamOptions adapted = request.slam;
+  use_networks(weights, adapted);
+  Scored after = run_and_score(request, adapted);
+  sequence.after = after.scores;
+  sequence.device_after = after.outcome.result.device;
+  sequence.frames = after.outcome.result.graph.size();
+  if (take_run) take_run(index, FinetuneRun::kAdapted, after.outcome);
+  return sequence;
 }
 
-std::string change(const std::optional<double>& before, const std::optional<double>& after) {
-  if (!before || !after || *before == 0.0) return "-";
-  return fmt::format("{:+.1f} %", 100.0 * (*after - *before) / std::abs(*before));
+std::string packed_sequence(const FinetunedSequence& sequence) {
+  return pack_strings({sequence.name, std::to_string(sequence.frames), sequence.before.packed(),
+                       sequence.after.packed(), packed(sequence.device_before),
+                       packed(sequence.device_after)});
+}
+
+FinetunedSequence unpacked_sequence(const std::string& bytes) {
+  const auto parts = unpack_strings(bytes);
+  FinetunedSequence sequence;
+  sequence.name = parts.at(0);
+  sequence.frames = std::stoull(parts.at(1));
+  sequence.before = EpochScores::unpacked(parts.at(2));
+  sequence.after = EpochScores::unpacked(parts.at(3));
+  sequence.device_before = unpacked_device(parts.at(4));
+  sequence.device_after = unpacked_device(parts.at(5));
+  return sequence;
+}
+
+/// Rank 0 writes and speaks; all go on as long as all want to.
+void take_part(ProcessGroup& group, learner::TrainingRequest& request) {
+  if (group.rank() != 0) request.writes = false;
+  if (group.rank() != 0) request.tell = nullptr;
+  const auto own = request.keep_going;
+  request.keep_going = [own, &group](int done, int steps, const std::string& note) {
+    return !group.any(own && !own(done, steps, note));
+  };
+}
+
+std::vector<fs::path> write_result(AdaptationTraining& training,
+                                   const learner::TrainingOutcome& outcome,
+                                   const learner::TrainingRequest& request) {
+  nn::ModelCard card = nn::WeightsFile::read(outcome.weights).card();
+  card.command = request.command;
+  make_folder(request.folder / kWeights);
+  return training.networks().write(outcome.weights, request.folder / kWeights, card);
 }
 
 }  // namespace
@@ -102,79 +151,48 @@ std::string sequence_sha256(const datasets::Sequence& sequence) {
   return sha256(all);
 }
 
-FinetuneOutcome finetune(const EpochRequest& epoch,
+std::string data_sha256(const std::vector<EpochRequest>& sequences) {
+  if (sequences.size() == 1) return sequence_sha256(sequences[0].sequence);
+  std::string all;
+  for (const EpochRequest& request : sequences) {
+    all += request.name() + ' ' + sequence_sha256(request.sequence) + '\n';
+  }
+  return sha256(all);
+}
+
+EpochScores FinetuneOutcome::before() const {
+  std::vector<EpochScores> all;
+  for (const FinetunedSequence& one : sequences) all.push_back(one.before);
+  return mean_of(all);
+}
+
+EpochScores FinetuneOutcome::after() const {
+  std::vector<EpochScores> all;
+  for (const FinetunedSequence& one : sequences) all.push_back(one.after);
+  return mean_of(all);
+}
+
+FinetuneOutcome finetune(const std::vector<EpochRequest>& sequences,
                          const std::string& config_yaml,
-                         learner::TrainingRequest request) {
-  const auto alone = single_process();
-  AdaptationTraining training({epoch}, sequence_sha256(epoch.sequence), *alone);
+                         learner::TrainingRequest request,
+                         ProcessGroup& group,
+                         const TakeRun& take_run) {
+  AdaptationTraining training(sequences, data_sha256(sequences), group);
   request.start = request.folder / kBefore;
-  keep_given_weights(training, request);
+  take_part(group, request);
+  if (request.writes) keep_given_weights(training, request);
+  group.barrier();
   FinetuneOutcome outcome;
   outcome.training = learner::run_training(training, config_yaml, request);
   if (outcome.training.stopped) return outcome;
 
-  nn::ModelCard card = nn::WeightsFile::read(outcome.training.weights).card();
-  card.command = request.command;
-  make_folder(request.folder / kWeights);
-  outcome.weights =
-      training.networks().write(outcome.training.weights, request.folder / kWeights, card);
-  Scored before = run_and_score(epoch, epoch.slam);
-  system::SlamOptions adapted = epoch.slam;
-  use_networks(request.folder / kWeights, adapted);
-  Scored after = run_and_score(epoch, adapted);
-  outcome.before = before.scores;
-  outcome.after = after.scores;
-  outcome.zero_shot = std::move(before.outcome);
-  outcome.adapted = std::move(after.outcome);
+  if (request.writes) outcome.weights = write_result(training, outcome.training, request);
+  group.barrier();
+  const auto compared = gather_items(group, sequences.size(), [&](std::size_t s) {
+    return packed_sequence(compare(sequences[s], request.folder / kWeights, s, take_run));
+  });
+  for (const std::string& bytes : compared) outcome.sequences.push_back(unpacked_sequence(bytes));
   return outcome;
-}
-
-std::string comparison_table(const EpochScores& before, const EpochScores& after) {
-  struct Row {
-    const char* name;
-    std::optional<double> before;
-    std::optional<double> after;
-  };
-  const Row rows[] = {
-      {"held-out loss (self-supervised)", before.held_out_loss, after.held_out_loss},
-      {"VO: ATE [m]", before.vo_ate_m, after.vo_ate_m},
-      {"VO: RPE per frame [m]", before.vo_rpe_m, after.vo_rpe_m},
-      {"VO: RPE per frame [deg]", before.vo_rpe_deg, after.vo_rpe_deg},
-      {"IMU: rotation over 5 s [deg]", before.imu_rotation_deg, after.imu_rotation_deg},
-      {"IMU: position over 5 s [m]", before.imu_position_m, after.imu_position_m},
-      {"graph: ATE [m]", before.graph_ate_m, after.graph_ate_m},
-      {"graph: RPE per frame [m]", before.graph_rpe_m, after.graph_rpe_m},
-      {"graph: RPE per frame [deg]", before.graph_rpe_deg, after.graph_rpe_deg},
-  };
-  std::string text =
-      fmt::format("{:<34}{:>12}{:>12}{:>12}\n", "", "zero-shot", "adapted", "change");
-  for (const Row& row : rows) {
-    const bool loss = &row == rows;  // its zero means nothing
-    text += fmt::format(
-        "{:<34}{:>12}{:>12}{:>12}\n", row.name, cell(row.before), cell(row.after),
-        loss ? fmt::format("{:+.4f}", *row.after - *row.before) : change(row.before, row.after));
-  }
-  return text;
-}
-
-std::string device_table(const DeviceCalibration& before, const DeviceCalibration& after) {
-  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
-  const auto rotation = [&](const DeviceCalibration& device) {
-    return (kDegrees * device.camera_rotation).eval();
-  };
-  const std::array<std::tuple<const char*, double, double>, 6> rows{
-      {{"device: focal length, error [%]", 100.0 * before.focal_error, 100.0 * after.focal_error},
-       {"device: disparity offset [px]", before.disparity_offset_px, after.disparity_offset_px},
-       {"device: time offset [ms]", 1e3 * before.time_offset_s, 1e3 * after.time_offset_s},
-       {"device: camera turned, x [deg]", rotation(before).x(), rotation(after).x()},
-       {"device: camera turned, y [deg]", rotation(before).y(), rotation(after).y()},
-       {"device: camera turned, z [deg]", rotation(before).z(), rotation(after).z()}}};
-  std::string text;
-  for (const auto& [name, old, now] : rows) {
-    if (old == now) continue;
-    text += fmt::format("{:<34}{:>12.4f}{:>12.4f}\n", name, old, now);
-  }
-  return text;
 }
 
 }  // namespace imslam::adaptation

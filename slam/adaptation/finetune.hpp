@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,18 +10,34 @@
 
 namespace imslam::adaptation {
 
+/// One sequence before and after.
+struct FinetunedSequence {
+  std::string name;
+  std::size_t frames = 0;
+  EpochScores before;  ///< of the networks that were given
+  EpochScores after;   ///< of those that are the result
+  DeviceCalibration device_before;
+  DeviceCalibration device_after;
+};
+
 /// What a fine-tuning came to.
 struct FinetuneOutcome {
   learner::TrainingOutcome training;
   std::vector<std::filesystem::path> weights;  ///< one file per network
-  EpochScores before;                          ///< of the networks that were given
-  EpochScores after;                           ///< of the files in `weights`
-  system::RunOutcome zero_shot;
-  system::RunOutcome adapted;
+  std::vector<FinetunedSequence> sequences;    ///< on rank 0; empty on the others
+
+  EpochScores before() const;  ///< mean over the sequences
+  EpochScores after() const;
 };
 
-/// Teaches the networks of a run on its own sequence, in a folder that anybody can stop and go on
-/// with (learner::run_training), then runs once with the given networks and once with the result:
+enum class FinetuneRun { kZeroShot, kAdapted };
+
+/// Who gets the runs before and after: of each sequence on the rank that it belongs to.
+using TakeRun = std::function<void(std::size_t sequence, FinetuneRun, system::RunOutcome& run)>;
+
+/// Teaches the networks of a run on its own sequences, one or several at once, in a folder that
+/// anybody can stop and go on with (learner::run_training), then runs each sequence once with the
+/// given networks and once with the result:
 ///
 ///   before.safetensors      all parameters as given
 ///   networks.safetensors    all parameters of the epoch with the least held-out loss
@@ -29,19 +46,20 @@ struct FinetuneOutcome {
 ///
 /// A new fine-tuning in the same folder throws all results of the earlier one away.
 /// With options.guard, a result that does not gain on the given weights in the held-out
-/// self-supervised loss is refused: the given weights are the result.
+/// self-supervised loss (mean over the sequences) is refused: the given weights are the result.
+///
+/// Several processes share the sequences out (AdaptationTraining); the folder must be one that all
+/// of them see, rank 0 writes there. The result does not depend on how many they are.
 /// Throws what run_sequence() and run_training() throw. Stopped: `weights` is empty.
-FinetuneOutcome finetune(const EpochRequest& epoch,
+FinetuneOutcome finetune(const std::vector<EpochRequest>& sequences,
                          const std::string& config_yaml,
-                         learner::TrainingRequest request);
+                         learner::TrainingRequest request,
+                         ProcessGroup& group,
+                         const TakeRun& take_run);
 
 /// sha256 over the names and contents of a sequence's input files.
 std::string sequence_sha256(const datasets::Sequence& sequence);
-
-/// Before and after, for people: what needs truth has a dash without it.
-std::string comparison_table(const EpochScores& before, const EpochScores& after);
-
-/// What is taken for true of the device, likewise. Empty if nothing changed.
-std::string device_table(const DeviceCalibration& before, const DeviceCalibration& after);
+/// That of the sequence, or of the names and hashes of several.
+std::string data_sha256(const std::vector<EpochRequest>& sequences);
 
 }  // namespace imslam::adaptation

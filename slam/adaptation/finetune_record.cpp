@@ -69,6 +69,27 @@ void begin_with(const EpochScores& before, LearningLog& log) {
   }
 }
 
+json sequences_json(const FinetuneOutcome& outcome) {
+  json list = json::array();
+  for (const FinetunedSequence& one : outcome.sequences) {
+    list.push_back({{"name", one.name},
+                    {"frames", one.frames},
+                    {"zero_shot", scores_json(one.before)},
+                    {"batch_adapted", scores_json(one.after)},
+                    {"device",
+                     {{"fingerprint", one.device_after.device},
+                      {"before", device_json(one.device_before)},
+                      {"after", device_json(one.device_after)}}}});
+  }
+  return list;
+}
+
+std::size_t frames_of(const FinetuneOutcome& outcome) {
+  std::size_t frames = 0;
+  for (const FinetunedSequence& one : outcome.sequences) frames += one.frames;
+  return frames;
+}
+
 json curves_json(const LearningLog& log) {
   json curves = {{"epoch", log.epoch}};
   for (const auto& [name, values] : log.curves) {
@@ -132,14 +153,14 @@ void record_finetune(const fs::path& folder,
                      const AdaptationOptions& options,
                      const FinetuneProvenance& provenance) {
   LearningLog log = read_learning_log(folder / "log.csv", options.steps_per_epoch);
-  begin_with(outcome.before, log);
+  begin_with(outcome.before(), log);
   const json metrics = {
       {"kind", "finetune"},
       {"program", provenance.version},
       {"dataset", provenance.dataset},
       {"data_sha256", provenance.data_sha256},
       {"command", provenance.command},
-      {"frames", outcome.adapted.result.graph.size()},
+      {"frames", frames_of(outcome)},
       {"epochs",
        {{"wanted", options.epochs}, {"done", outcome.training.steps / options.steps_per_epoch}}},
       {"steps", outcome.training.steps},
@@ -147,13 +168,10 @@ void record_finetune(const fs::path& folder,
       {"left_out", outcome.training.omitted},
       {"guard", guard_json(outcome)},
       {"results",
-       {{"zero_shot", scores_json(outcome.before)},
+       {{"zero_shot", scores_json(outcome.before())},
         {"online_adapted", nullptr},
-        {"batch_adapted", scores_json(outcome.after)}}},
-      {"device",
-       {{"fingerprint", outcome.adapted.result.device.device},
-        {"before", device_json(outcome.zero_shot.result.device)},
-        {"after", device_json(outcome.adapted.result.device)}}},
+        {"batch_adapted", scores_json(outcome.after())}}},
+      {"sequences", sequences_json(outcome)},
       {"curves", curves_json(log)},
       {"agreement", agreement_json(loss_agreement(log))},
       {"models", weights_json(outcome.weights, folder)}};

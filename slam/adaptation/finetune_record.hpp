@@ -17,7 +17,9 @@ struct FinetuneProvenance {
 
 /// Writes `folder`/metrics.json, report.html and learning.svg of a finished fine-tuning:
 ///
-///   results   {zero_shot, batch_adapted, online_adapted}: EpochScores, null what is not known
+///   results   {zero_shot, batch_adapted, online_adapted}: EpochScores, null what is not known;
+///             means over the sequences
+///   sequences [{name, frames, zero_shot, batch_adapted, device {fingerprint, before, after}}]
 ///   guard     {on, gained, verdict, text, loss_before, loss_after}
 ///   epochs    {wanted, done}; steps, skipped_steps, left_out
 ///   curves    {epoch, held_out_loss, ...}: log.csv by columns

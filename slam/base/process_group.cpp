@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 
@@ -50,6 +51,11 @@ bool started_by_mpirun() {
 void ProcessGroup::barrier() {
   gather("");
   broadcast("");
+}
+
+bool ProcessGroup::any(bool own) {
+  const auto all = gather(own ? "1" : "0");
+  return broadcast(std::count(all.begin(), all.end(), "1") > 0 ? "1" : "0") == "1";
 }
 
 std::unique_ptr<ProcessGroup> single_process() { return std::make_unique<SingleProcess>(); }

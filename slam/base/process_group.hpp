@@ -33,6 +33,9 @@ class ProcessGroup {
   /// Returns when all ranks have come here.
   void barrier();
 
+  /// Whether any rank says so: the same on all of them.
+  bool any(bool own);
+
   bool owns(std::size_t item) const {
     return item % static_cast<std::size_t>(size()) == static_cast<std::size_t>(rank());
   }

@@ -25,6 +25,18 @@ const std::vector<Measure>& finetune_measures() {
   return kMeasures;
 }
 
+namespace {
+
+std::vector<std::string> names_of_sequences(const nlohmann::json& metrics) {
+  std::vector<std::string> names;
+  const auto sequences = metrics.find("sequences");
+  if (sequences == metrics.end() || !sequences->is_array()) return names;
+  for (const nlohmann::json& sequence : *sequences) names.push_back(text_at(sequence, "name"));
+  return names;
+}
+
+}  // namespace
+
 bool is_finetuning(const fs::path& folder) {
   std::error_code error;
   return fs::exists(folder / "log.csv", error) && !fs::exists(folder / "trajectory.tum", error);
@@ -48,6 +60,10 @@ FinetuneContent read_finetuning(const fs::path& folder) {
   }
   for (const char* run : {"zero_shot", "adapted"}) {
     if (fs::exists(folder / run / "report.html", error)) content.runs.emplace_back(run);
+    for (const std::string& name : names_of_sequences(content.metrics)) {
+      const std::string place = std::string(run) + "/" + name;
+      if (fs::exists(folder / place / "report.html", error)) content.runs.push_back(place);
+    }
   }
   return content;
 }

@@ -9,10 +9,11 @@ namespace imslam::report {
 
 /// What the folder of a finished fine-tuning holds.
 struct FinetuneContent {
-  std::string name;               ///< of the folder
-  nlohmann::json metrics;         ///< metrics.json: see slam/adaptation/finetune_record
-  std::string config_yaml;        ///< empty: not there
-  std::vector<std::string> runs;  ///< those of zero_shot and adapted that have a report.html
+  std::string name;         ///< of the folder
+  nlohmann::json metrics;   ///< metrics.json: see slam/adaptation/finetune_record
+  std::string config_yaml;  ///< empty: not there
+  std::vector<std::string>
+      runs;  ///< zero_shot, adapted (/NAME of several sequences) with a report.html
 };
 
 /// A figure of merit of a fine-tuning.

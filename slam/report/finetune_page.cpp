@@ -6,6 +6,8 @@
 
 #include "slam/base/file.hpp"
 #include "slam/report/assets.hpp"
+#include "slam/report/finetune_cells.hpp"
+#include "slam/report/finetune_sequences.hpp"
 #include "slam/report/html_text.hpp"
 #include "slam/report/json_text.hpp"
 #include "slam/report/learning_svg.hpp"
@@ -14,39 +16,6 @@ namespace imslam::report {
 namespace {
 
 using nlohmann::json;
-
-const json kNone = json::object();
-
-const json& at(const json& object, const char* key) {
-  if (!object.is_object()) return kNone;
-  const auto found = object.find(key);
-  return found == object.end() ? kNone : *found;
-}
-
-std::string number_text(double value) {
-  return std::isfinite(value) ? fmt::format("{:.4g}", value) : "–";
-}
-
-bool is_loss(const Measure& measure) { return measure.unit[0] == '\0'; }
-
-struct Change {
-  std::string text;
-  const char* kind = "same";  ///< good, bad or same: classes of the template
-};
-
-/// All measures are errors or losses: less is better. The zero of a loss means nothing.
-Change change_of(const Measure& measure, double before, double after) {
-  if (!std::isfinite(before) || !std::isfinite(after)) return {"–", "same"};
-  Change change;
-  if (is_loss(measure)) {
-    change.text = fmt::format("{:+.4f}", after - before);
-  } else if (before > 0.0) {
-    change.text = fmt::format("{:+.1f} %", 100.0 * (after - before) / before);
-  }
-  if (after < before) change.kind = "good";
-  if (after > before) change.kind = "bad";
-  return change;
-}
 
 std::string cards(const FinetuneContent& content) {
   const json& results = at(content.metrics, "results");
@@ -91,33 +60,6 @@ std::string result_table(const FinetuneContent& content) {
     }
     out += fmt::format("<td>{}</td><td><span class=\"chip {}\">{}</span></td></tr>\n",
                        number_text(after), change.kind, escape_html(change.text));
-  }
-  return out + "</tbody></table>";
-}
-
-std::string device_table(const FinetuneContent& content) {
-  constexpr double kDegrees = 180.0 / 3.14159265358979323846;
-  const json& device = at(content.metrics, "device");
-  const json& before = at(device, "before");
-  const json& after = at(device, "after");
-  std::string out =
-      "<table><thead><tr><th></th><th>before</th><th>after</th></tr></thead><tbody>\n";
-  const auto row = [&](const std::string& label, double old, double now) {
-    out += fmt::format("<tr><th>{}</th><td>{}</td><td>{}</td></tr>\n", label, number_text(old),
-                       number_text(now));
-  };
-  const auto scalar = [&](const char* label, const char* key, double unit) {
-    row(label, unit * number_at(before, key), unit * number_at(after, key));
-  };
-  scalar("Focal length, error <small>%</small>", "focal_error", 100.0);
-  scalar("Disparity offset <small>px</small>", "disparity_offset_px", 1.0);
-  scalar("Time offset of the IMU <small>ms</small>", "time_offset_s", 1e3);
-  const json& turned_before = at(before, "camera_rotation_rad");
-  const json& turned_after = at(after, "camera_rotation_rad");
-  if (turned_before.size() != 3 || turned_after.size() != 3) return out + "</tbody></table>";
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    row(fmt::format("Camera turned about {} <small>deg</small>", "xyz"[axis]),
-        kDegrees * turned_before[axis].get<double>(), kDegrees * turned_after[axis].get<double>());
   }
   return out + "</tbody></table>";
 }
@@ -191,11 +133,11 @@ std::string facts(const FinetuneContent& content) {
 std::string run_links(const FinetuneContent& content) {
   std::string out;
   for (const std::string& run : content.runs) {
-    out +=
-        fmt::format("<a class=\"panel run\" href=\"{}/report.html\"><b>{}</b><span>{}</span></a>",
-                    run, run == "adapted" ? "Adapted run" : "Zero-shot run",
-                    run == "adapted" ? "with the networks in weights/"
-                                     : "with the networks as they were given");
+    const bool adapted = run.rfind("adapted", 0) == 0;
+    out += fmt::format(
+        "<a class=\"panel run\" href=\"{}/report.html\"><b>{}</b><span>{}</span></a>",
+        escape_html(run), adapted ? "Adapted run" : "Zero-shot run",
+        adapted ? "with the networks in weights/" : "with the networks as they were given");
   }
   return out.empty() ? "<p class=\"empty\">Not in the folder.</p>" : out;
 }
@@ -235,7 +177,7 @@ std::string finetune_html(const FinetuneContent& content) {
                         {"verdict_kind", verdict == "adapted" ? "good" : "careful"},
                         {"verdict", escape_html(text_at(guard, "text"))},
                         {"cards", cards(content)},
-                        {"results", result_table(content)},
+                        {"results", result_table(content) + sequences_table(content)},
                         {"device", device_table(content)},
                         {"agreement", agreement(content)},
                         {"models", model_cards(content)},

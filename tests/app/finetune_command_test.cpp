@@ -55,7 +55,7 @@ TEST(FinetuneCommand, WhatItFoundOfTheDeviceIsUsedForThatDeviceOnly) {
   const TempDir dir;
   ASSERT_EQ(finetune(dir, ".").exit_code, 0);
   const fs::path weights = dir.path() / "tuned" / "weights";
-  const auto device = finetune_metrics(dir.path() / "tuned").at("device");
+  const auto device = finetune_metrics(dir.path() / "tuned").at("sequences").at(0).at("device");
   const std::string fingerprint = device.at("fingerprint");
   EXPECT_EQ(fingerprint.size(), 16U);
   EXPECT_EQ(device.at("before").at("disparity_offset_px"), 0.0);

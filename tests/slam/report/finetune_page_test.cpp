@@ -56,6 +56,31 @@ TEST_F(FinetunePage, TheDrawingLeavesGapsWhereThereIsNoNumber) {
   EXPECT_EQ(drawing.find("inf"), std::string::npos);
 }
 
+TEST_F(FinetunePage, ShowsSeveralSequencesOneByOneAndEachDeviceOnce) {
+  auto metrics = nlohmann::json::parse(kMetrics);
+  const auto sequence = [](const char* name, const char* fingerprint, double after) {
+    return nlohmann::json{{"name", name},
+                          {"zero_shot", {{"graph_ate_m", 0.2}}},
+                          {"batch_adapted", {{"graph_ate_m", after}}},
+                          {"device",
+                           {{"fingerprint", fingerprint},
+                            {"before", {{"disparity_offset_px", 0.0}}},
+                            {"after", {{"disparity_offset_px", 0.25}}}}}};
+  };
+  metrics["sequences"] = {sequence("one", "aaaa", 0.1), sequence("two", "aaaa", 0.15),
+                          sequence("three", "bbbb", 0.2)};
+  dir_.write("metrics.json", metrics.dump());
+  std::filesystem::create_directories(dir_.path() / "adapted" / "two");
+  dir_.write("adapted/two/report.html", "");
+  write_report(dir_.path());
+  const std::string page = read_file(dir_.path() / "report.html");
+  EXPECT_NE(page.find("<th>two</th>"), std::string::npos);
+  EXPECT_NE(page.find("-25.0 %"), std::string::npos);
+  EXPECT_NE(page.find("href=\"adapted/two/report.html\""), std::string::npos);
+  EXPECT_EQ(page.find("<th>aaaa</th>"), page.rfind("<th>aaaa</th>"));
+  EXPECT_NE(page.find("<th>bbbb</th>"), std::string::npos);
+}
+
 TEST_F(FinetunePage, OfAnUnfinishedFineTuningIsRefused) {
   std::filesystem::remove(dir_.path() / "metrics.json");
   EXPECT_THROW(write_report(dir_.path()), InputError);
