@@ -36,6 +36,20 @@ TEST(FinetuneInterruption, KilledAtRandomMomentsItEndsInTheSameBytes) {
   expect_same_weights(dir.path() / "whole" / "tuned", dir.path() / "stopped" / "tuned");
 }
 
+TEST(FinetuneInterruption, MatchesThatAreAskedForOnceAreTheSameAfterAStop) {
+  const TempDir dir;
+  const std::string frozen = "--set finetune.matcher=off ";
+  ASSERT_EQ(finetune(dir, "whole", frozen).exit_code, 0);
+  for (const double delay_s : {1.0, 1.6, 2.4}) {
+    const auto result = finetune(dir, "stopped", frozen + "--resume --quiet",
+                                 "timeout -s KILL " + std::to_string(delay_s));
+    if (result.exit_code == 0) break;
+  }
+  ASSERT_EQ(finetune(dir, "stopped", frozen + "--resume").exit_code, 0);
+  testing::expect_same_files(dir.path() / "whole" / "tuned", dir.path() / "stopped" / "tuned",
+                             testing::kLearnedFiles);
+}
+
 TEST(FinetuneInterruption, StoppedInGoodOrderItEndsInTheSameBytes) {
   const TempDir dir;
   ASSERT_EQ(finetune(dir, "whole").exit_code, 0);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "tests/support/run_check.hpp"
 
@@ -28,15 +29,26 @@ inline CommandResult finetune(const TempDir& dir,
                     "cd " + quoted((dir.path() / place).string()) + " && " + before);
 }
 
-/// All weights of a finished fine-tuning, byte by byte.
-inline void expect_same_weights(const std::filesystem::path& a, const std::filesystem::path& b) {
-  for (const char* name : {"before.safetensors", "networks.safetensors",
-                           "weights/match_network.safetensors", "weights/motion_noise.safetensors",
-                           "weights/imu_network.safetensors", "weights/device.yaml", "log.csv"}) {
+/// Files of two folders, byte by byte.
+inline void expect_same_files(const std::filesystem::path& a,
+                              const std::filesystem::path& b,
+                              const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
     const std::string bytes = slurp(a / name);
     EXPECT_FALSE(bytes.empty()) << a / name;
     EXPECT_TRUE(bytes == slurp(b / name)) << name << " differs";
   }
+}
+
+/// What every finished fine-tuning leaves, whatever learns.
+inline const std::vector<std::string> kLearnedFiles = {
+    "before.safetensors", "networks.safetensors", "weights/motion_noise.safetensors",
+    "weights/imu_network.safetensors", "log.csv"};
+
+/// All weights of a finished fine-tuning that lets the matcher learn.
+inline void expect_same_weights(const std::filesystem::path& a, const std::filesystem::path& b) {
+  expect_same_files(a, b, kLearnedFiles);
+  expect_same_files(a, b, {"weights/match_network.safetensors", "weights/device.yaml"});
 }
 
 inline nlohmann::json finetune_metrics(const std::filesystem::path& folder) {
