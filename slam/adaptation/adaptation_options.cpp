@@ -45,6 +45,10 @@ void AdaptationOptions::describe(Config& config) {
                "how the gradient of upper: published goes through the solver");
   config.field("published_weight", published_weight,
                "of upper: published, 1 for KITTI, 4 for EuRoC");
+  config.field(
+      "loop_weight", loop_weight,
+      "of one more upper cost, the likelihood of loops at the solution; implicit, 0: none");
+  config.field("loop_span_s", loop_span_s, "motions that span as long close a loop [s]");
   config.field("graph_weight", graph_weight, "of the motions' likelihood under the graph");
   config.field("match_weight", match_weight, "of the matches' likelihood at the graph's motions");
   config.field("imu_weight", imu_weight, "of the inertial likelihoods");
@@ -73,6 +77,8 @@ void AdaptationOptions::validate() const {
         "their whole gradient in one step",
         ExitCode::kUsage);
   }
+  vo::require(loop_weight >= 0.0, "finetune.loop_weight", loop_weight, ">= 0");
+  vo::require(loop_span_s > 0.0, "finetune.loop_span_s", loop_span_s, "> 0");
   vo::require(graph_weight >= 0.0, "finetune.graph_weight", graph_weight, ">= 0");
   vo::require(match_weight >= 0.0, "finetune.match_weight", match_weight, ">= 0");
   vo::require(imu_weight >= 0.0, "finetune.imu_weight", imu_weight, ">= 0");

@@ -35,7 +35,11 @@ struct AdaptationOptions : learner::TrainingOptions {
   std::string upper = "left_out";
   std::string strategy = "one_step";  ///< of upper: published, see WholeGradient; or implicit
   double published_weight = 1.0;      ///< [1/m, 1/rad] of upper: published: 1 (KITTI), 4 (EuRoC)
-  double graph_weight = 1.0;          ///< of the motions' likelihood under the graph, per dimension
+  /// Of one more term of U: the likelihood of the motions that close loops (those that span
+  /// loop_span_s or more) at the solution; its gradient follows the states (implicit). 0: none.
+  double loop_weight = 0.0;
+  double loop_span_s = 2.0;   ///< [s]
+  double graph_weight = 1.0;  ///< of the motions' likelihood under the graph, per dimension
   double match_weight = 1.0;  ///< of the matches' likelihood at the graph's motions, per point
   double imu_weight = 1.0;    ///< of the inertial likelihoods, beside one step's motions
   double imu_rate = 2.0;      ///< learning rate beside that of the matcher

@@ -20,11 +20,15 @@ double root_mean(const Eigen::Vector3d& variances) {
 GraphTeacher::GraphTeacher(pgo::PoseVelocityGraph graph,
                            pgo::Posterior posterior,
                            bool joint,
-                           std::optional<WholeGradient> whole)
+                           std::optional<WholeGradient> whole,
+                           std::optional<WholeGradient> loops,
+                           double loop_weight)
     : graph_(std::move(graph)),
       posterior_(std::move(posterior)),
       joint_(joint),
-      whole_(std::move(whole)) {
+      whole_(std::move(whole)),
+      loops_(std::move(loops)),
+      loop_weight_(loop_weight) {
   const auto& edges = graph_.visual_edges();
   for (std::size_t e = 0; e < edges.size(); ++e) {
     visual_edges_.insert({{edges[e].motion.time0_ns, edges[e].motion.time1_ns}, e});
@@ -53,11 +57,16 @@ std::optional<GraphTeacher> GraphTeacher::of(pgo::PoseVelocityGraph graph,
   }
   std::optional<WholeGradient> whole;
   if (options.upper == "published") {
-    whole = WholeGradient::of(graph, options, reason);
+    whole = WholeGradient::of(graph, published_upper(options), options.strategy, reason);
     if (!whole) return std::nullopt;
   }
+  std::optional<WholeGradient> loops;
+  if (const auto upper = options.loop_weight > 0.0 ? loop_upper(graph, options) : std::nullopt) {
+    loops = WholeGradient::of(graph, *upper, "implicit", reason);
+    if (!loops) return std::nullopt;
+  }
   return GraphTeacher(std::move(graph), std::move(*posterior), options.upper == "joint",
-                      std::move(whole));
+                      std::move(whole), std::move(loops), options.loop_weight);
 }
 
 std::optional<std::size_t> GraphTeacher::visual_edge(std::int64_t time0_ns,
@@ -68,6 +77,19 @@ std::optional<std::size_t> GraphTeacher::visual_edge(std::int64_t time0_ns,
 }
 
 vo::MotionCost GraphTeacher::cost_of(std::size_t visual_edge) const {
+  const vo::MotionCost own = own_cost_of(visual_edge);
+  if (!loops_) return own;
+  return [this, own, visual_edge](const RelativeMotion& motion) {
+    vo::MotionSlope sum = own(motion);
+    const vo::MotionSlope loops = loops_->visual(visual_edge);
+    sum.cost += loop_weight_ * loops.cost;
+    sum.by_motion += loop_weight_ * loops.by_motion;
+    sum.by_covariance += loop_weight_ * loops.by_covariance;
+    return sum;
+  };
+}
+
+vo::MotionCost GraphTeacher::own_cost_of(std::size_t visual_edge) const {
   if (whole_)
     return [this, visual_edge](const RelativeMotion&) { return whole_->visual(visual_edge); };
   pgo::Foretold<6> others;
@@ -79,6 +101,16 @@ vo::MotionCost GraphTeacher::cost_of(std::size_t visual_edge) const {
 }
 
 pgo::EdgeLikelihood<9> GraphTeacher::inertial(std::size_t edge, const ImuMotion& motion) const {
+  pgo::EdgeLikelihood<9> sum = own_inertial(edge, motion);
+  if (!loops_) return sum;
+  const pgo::EdgeLikelihood<9> loops = loops_->inertial(edge);
+  sum.nll += loop_weight_ * loops.nll;
+  sum.gradient.motion += loop_weight_ * loops.gradient.motion;
+  sum.gradient.covariance += loop_weight_ * loops.gradient.covariance;
+  return sum;
+}
+
+pgo::EdgeLikelihood<9> GraphTeacher::own_inertial(std::size_t edge, const ImuMotion& motion) const {
   if (whole_) return whole_->inertial(edge);
   pgo::Foretold<9> others;
   if (!joint_) others = pgo::foretold_inertial(graph_, posterior_.residuals(), edge);

@@ -22,6 +22,8 @@ namespace imslam::adaptation {
 ///
 /// or what the published code minimises (upper: published); WholeGradient
 ///
+///       + loop_weight x the likelihood of the motions that close loops; WholeGradient, implicit
+///
 /// The states are the stationary point of the joint likelihood: of U = L the derivative by a
 /// measurement at the solution is the whole one ("one step") as long as the solve has converged.
 class GraphTeacher {
@@ -62,12 +64,19 @@ class GraphTeacher {
   GraphTeacher(pgo::PoseVelocityGraph graph,
                pgo::Posterior posterior,
                bool joint,
-               std::optional<WholeGradient> whole);
+               std::optional<WholeGradient> whole,
+               std::optional<WholeGradient> loops,
+               double loop_weight);
+
+  vo::MotionCost own_cost_of(std::size_t visual_edge) const;
+  pgo::EdgeLikelihood<9> own_inertial(std::size_t edge, const ImuMotion& motion) const;
 
   pgo::PoseVelocityGraph graph_;
   pgo::Posterior posterior_;
   bool joint_;
   std::optional<WholeGradient> whole_;  ///< of an upper cost that is not the graph's own
+  std::optional<WholeGradient> loops_;  ///< of the term that is added
+  double loop_weight_;
   std::map<std::pair<std::int64_t, std::int64_t>, std::size_t> visual_edges_;  ///< by their times
 };
 

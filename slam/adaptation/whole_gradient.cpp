@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
+#include "slam/base/time.hpp"
 #include "slam/learner/make_strategy.hpp"
 #include "slam/system/slam_lower_problem.hpp"
 
@@ -54,15 +56,13 @@ WholeGradient::WholeGradient(system::MeasurementCoordinates coordinates,
       cost_per_edge_(cost_per_edge) {}
 
 std::optional<WholeGradient> WholeGradient::of(const pgo::PoseVelocityGraph& solved,
-                                               const AdaptationOptions& options,
+                                               const system::SlamUpperOptions& upper,
+                                               const std::string& strategy,
                                                std::string& reason) {
-  system::SlamUpperOptions upper;
-  upper.kind = system::UpperKind::kPublished;
-  upper.published_weight = options.published_weight;
   system::SlamLowerProblem problem(solved.data(), solved.options(), {}, upper);
   const Eigen::VectorXd z = problem.coordinates().origin();
-  const auto slopes = options.strategy == "implicit" ? implicit_slopes(problem, z, reason)
-                                                     : held_slopes(problem, z, reason);
+  const auto slopes = strategy == "implicit" ? implicit_slopes(problem, z, reason)
+                                             : held_slopes(problem, z, reason);
   if (!slopes) return std::nullopt;
   const auto edges = static_cast<double>(std::max<std::size_t>(1, solved.visual_edges().size()));
   return WholeGradient(problem.coordinates(), z, slopes->by_z, slopes->cost / edges);
@@ -75,6 +75,31 @@ vo::MotionSlope WholeGradient::visual(std::size_t edge) const {
 
 pgo::EdgeLikelihood<9> WholeGradient::inertial(std::size_t edge) const {
   return {cost_per_edge_, coordinates_.inertial_gradient(edge, z_, dz_)};
+}
+
+system::SlamUpperOptions published_upper(const AdaptationOptions& options) {
+  system::SlamUpperOptions upper;
+  upper.kind = system::UpperKind::kPublished;
+  upper.published_weight = options.published_weight;
+  return upper;
+}
+
+std::optional<system::SlamUpperOptions> loop_upper(const pgo::PoseVelocityGraph& solved,
+                                                   const AdaptationOptions& options) {
+  const auto& edges = solved.visual_edges();
+  pgo::EdgeSelection loops{std::vector<char>(edges.size()),
+                           std::vector<char>(solved.inertial_edges().size())};
+  bool any = false;
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const RelativeMotion& motion = edges[e].motion;
+    if (to_seconds(motion.time1_ns - motion.time0_ns) < options.loop_span_s) continue;
+    loops.visual[e] = 1;
+    any = true;
+  }
+  if (!any) return std::nullopt;
+  system::SlamUpperOptions upper;
+  upper.only = std::move(loops);
+  return upper;
 }
 
 }  // namespace imslam::adaptation

@@ -8,6 +8,7 @@
 #include "pgo/pose_velocity_graph.hpp"
 #include "slam/adaptation/adaptation_options.hpp"
 #include "slam/system/measurement_coordinates.hpp"
+#include "slam/system/slam_upper_cost.hpp"
 #include "vo_net/motion_cost.hpp"
 
 namespace imslam::adaptation {
@@ -22,9 +23,10 @@ namespace imslam::adaptation {
 /// next solution.
 class WholeGradient {
  public:
-  /// Of options.upper == "published". Empty, with the reason, where the strategy refuses.
+  /// Empty, with the reason, where the strategy refuses.
   static std::optional<WholeGradient> of(const pgo::PoseVelocityGraph& solved,
-                                         const AdaptationOptions& options,
+                                         const system::SlamUpperOptions& upper,
+                                         const std::string& strategy,
                                          std::string& reason);
 
   vo::MotionSlope visual(std::size_t edge) const;
@@ -41,5 +43,12 @@ class WholeGradient {
   Eigen::VectorXd dz_;
   double cost_per_edge_ = 0.0;
 };
+
+/// What the published code minimises.
+system::SlamUpperOptions published_upper(const AdaptationOptions& options);
+
+/// The likelihood of the motions that close loops. Empty: there is none.
+std::optional<system::SlamUpperOptions> loop_upper(const pgo::PoseVelocityGraph& solved,
+                                                   const AdaptationOptions& options);
 
 }  // namespace imslam::adaptation
