@@ -64,7 +64,8 @@ ImuNetwork<S>::ImuNetwork(const ImuNetworkSizes& sizes, Random& random)
 template <typename S>
 ImuAnswer ImuNetwork<S>::forward(nn::Tape<S>& tape,
                                  const ImuFrameTensors<S>& frames,
-                                 Var state) const {
+                                 Var state,
+                                 bool own_sensor) const {
   const Index bins = frames.gyro_bias.shape()[1];
   nn::expects_shape(frames.features.shape() == nn::Shape{3, kContext + bins, ImuFrame::kFeatures},
                     "ImuNetwork::forward: features [3, context + T, F]", frames.features.shape());
@@ -73,7 +74,8 @@ ImuAnswer ImuNetwork<S>::forward(nn::Tape<S>& tape,
   const Var states = gru.forward(tape, felt, state);
   const Var said = last.forward(tape, gelu(tape, middle.forward(tape, states)));
   const auto part = [&](Index start, Index count) { return slice(tape, said, -1, start, count); };
-  const Var constant = tape.parameter(sensor_offset);
+  const Var constant = own_sensor ? tape.parameter(sensor_offset)
+                                  : tape.constant(nn::Tensor<S>(sensor_offset.value.shape()));
   const auto constant_of = [&](Index sensor) { return slice(tape, constant, -1, sensor, 1); };
 
   ImuAnswer answer;

@@ -81,8 +81,12 @@ struct ImuNetwork {
 
   ImuNetwork(const ImuNetworkSizes& sizes, Random& random);
 
-  /// `state` [3, hidden] of the bins before, or gru.zero_state().
-  ImuAnswer forward(nn::Tape<S>& tape, const ImuFrameTensors<S>& frames, nn::Var state) const;
+  /// `state` [3, hidden] of the bins before, or gru.zero_state(). `own_sensor` false: the frames
+  /// are of another sensor than the one whose offset is known, o = 0.
+  ImuAnswer forward(nn::Tape<S>& tape,
+                    const ImuFrameTensors<S>& frames,
+                    nn::Var state,
+                    bool own_sensor = true) const;
 
   void collect(nn::ParameterList<S>& list, const std::string& prefix = "");
 

@@ -31,6 +31,8 @@ void AdaptationOptions::describe(Config& config) {
   config.field("motion_noise", motion_noise, "the covariance of motions learns");
   config.field("pose_head", pose_head, "the pose head learns, where there is one");
   config.field("imu", imu, "the IMU network learns, where there is one");
+  config.field("imu_layers", imu_layers, {"all", "last", "offset"},
+               "what learns of it: all, its last layer and the sensor's own offset, or that alone");
   config.field("calibration", calibration,
                "what the graph says of focal length, disparity offset and clock is kept");
   config.field("camera_rotation", camera_rotation,
@@ -52,6 +54,9 @@ void AdaptationOptions::describe(Config& config) {
   config.field("graph_weight", graph_weight, "of the motions' likelihood under the graph");
   config.field("match_weight", match_weight, "of the matches' likelihood at the graph's motions");
   config.field("imu_weight", imu_weight, "of the inertial likelihoods");
+  config.field("rehearsals", rehearsals,
+               "simulated logs of other sensors per step, so that the IMU network forgets none");
+  config.field("rehearsal_weight", rehearsal_weight, "of their likelihoods, together");
   config.field("imu_rate", imu_rate, "learning rate of the IMU network beside the matcher's");
   config.field("noise_rate", noise_rate, "learning rate of motion_noise beside the matcher's");
   config.field("held_out", held_out, "share of the frames that no network learns from [1]");
@@ -82,6 +87,8 @@ void AdaptationOptions::validate() const {
   vo::require(graph_weight >= 0.0, "finetune.graph_weight", graph_weight, ">= 0");
   vo::require(match_weight >= 0.0, "finetune.match_weight", match_weight, ">= 0");
   vo::require(imu_weight >= 0.0, "finetune.imu_weight", imu_weight, ">= 0");
+  vo::require(rehearsals >= 0 && rehearsals <= 64, "finetune.rehearsals", rehearsals, "0 .. 64");
+  vo::require(rehearsal_weight >= 0.0, "finetune.rehearsal_weight", rehearsal_weight, ">= 0");
   vo::require(imu_rate > 0.0, "finetune.imu_rate", imu_rate, "> 0");
   vo::require(noise_rate > 0.0, "finetune.noise_rate", noise_rate, "> 0");
   vo::require(imu_crop_s >= 5.0, "finetune.imu_crop_s", imu_crop_s, "5 or more");
@@ -94,7 +101,7 @@ void AdaptationOptions::validate() const {
 AdaptationOptions AdaptationOptions::completed() const {
   AdaptationOptions all = *this;
   all.steps = epochs * steps_per_epoch;
-  all.batch = edges + 1;  // the last one is the inertial log's
+  all.batch = lessons_per_step();
   all.validation_every = steps_per_epoch;
   all.checkpoint_every = 1;
   all.warm_up = std::min(warm_up, all.steps - 1);

@@ -22,9 +22,12 @@ struct AdaptationOptions : learner::TrainingOptions {
   std::string matcher = "off";  ///< what learns of the matching network: off, heads, all
   /// A matching network that does not learn is asked once; later epochs get the same matches.
   bool recall_matches = true;
-  bool motion_noise = true;     ///< the covariance of motions
-  bool pose_head = true;        ///< of vo.head: regression
-  bool imu = true;              ///< of system.imu: learned
+  bool motion_noise = true;  ///< the covariance of motions
+  bool pose_head = true;     ///< of vo.head: regression
+  bool imu = true;           ///< of system.imu: learned
+  /// Of the IMU network: all, last (its last layer and the sensor's own offset), offset (that
+  /// alone).
+  std::string imu_layers = "all";
   bool calibration = true;      ///< of the device: focal length, disparity offset, clock
   bool camera_rotation = true;  ///< likewise, of the camera against the IMU
   /// [rad/s] ImuNoise::gyro_bias_sigma up to which a gyro may correct focal length and rotation:
@@ -38,12 +41,14 @@ struct AdaptationOptions : learner::TrainingOptions {
   /// Of one more term of U: the likelihood of the motions that close loops (those that span
   /// loop_span_s or more) at the solution; its gradient follows the states (implicit). 0: none.
   double loop_weight = 0.0;
-  double loop_span_s = 2.0;   ///< [s]
-  double graph_weight = 1.0;  ///< of the motions' likelihood under the graph, per dimension
-  double match_weight = 1.0;  ///< of the matches' likelihood at the graph's motions, per point
-  double imu_weight = 1.0;    ///< of the inertial likelihoods, beside one step's motions
-  double imu_rate = 2.0;      ///< learning rate beside that of the matcher
-  double noise_rate = 5.0;    ///< likewise, of motion_noise, which begins with nothing
+  double loop_span_s = 2.0;       ///< [s]
+  double graph_weight = 1.0;      ///< of the motions' likelihood under the graph, per dimension
+  double match_weight = 1.0;      ///< of the matches' likelihood at the graph's motions, per point
+  double imu_weight = 1.0;        ///< of the inertial likelihoods, beside one step's motions
+  int rehearsals = 2;             ///< simulated logs of other sensors per step, so as not to forget
+  double rehearsal_weight = 1.0;  ///< of their likelihoods, together, beside the sequence's own
+  double imu_rate = 2.0;          ///< learning rate beside that of the matcher
+  double noise_rate = 5.0;        ///< likewise, of motion_noise, which begins with nothing
 
   double held_out = 0.2;     ///< [1] share of the frames that no network learns from
   int stretch = 20;          ///< [frames] that are held out in a row
@@ -53,7 +58,7 @@ struct AdaptationOptions : learner::TrainingOptions {
   double online_rate = 1e-4;      ///< learning rate of it
   double online_memory_s = 60.0;  ///< [s] of the inertial past that it learns from
 
-  int motions_per_step() const { return edges; }
+  int lessons_per_step() const { return edges + 1 + rehearsals; }
 
   void describe(Config& config);
   void validate() const;  ///< Throws InputError(kUsage) naming key, value and bound.

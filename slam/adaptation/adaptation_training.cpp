@@ -151,7 +151,7 @@ void AdaptationTraining::refine_devices() {
 }
 
 nn::Var AdaptationTraining::sample_loss(nn::Tape<float>& tape, std::size_t slot) {
-  const auto slots = static_cast<std::size_t>(options().edges) + 1;
+  const auto slots = static_cast<std::size_t>(options().lessons_per_step());
   return lessons_[slot / slots]->lesson(tape, slot % slots, step_count());
 }
 

@@ -65,6 +65,13 @@ void write_network(const std::string& name,
   nn::save_parameters(file, own, card, nn::NumberType::kF16);
 }
 
+/// Whether this part of the IMU network is to learn.
+bool learns(const std::string& parameter, const AdaptationOptions& options) {
+  const auto has = [&](const char* part) { return parameter.find(part) != std::string::npos; };
+  if (options.imu_layers == "all" || has("sensor_offset")) return true;
+  return options.imu_layers == "last" && has("/last");
+}
+
 /// A file with a number of its own for what is not to be seen twice.
 nn::ModelCard untrained_noise_card() {
   nn::ModelCard card;
@@ -143,6 +150,7 @@ void LearnedNetworks::choose(const AdaptationOptions& options) {
       const bool head = parameter->name.find(".head.") != std::string::npos;
       if (part.name == kMatch && options.matcher == "heads" && !head) parameter->trainable = false;
       if (part.name == kImu) parameter->rate_factor = options.imu_rate;
+      if (part.name == kImu && !learns(parameter->name, options)) parameter->trainable = false;
       if (part.name == kNoise) parameter->rate_factor = options.noise_rate;
     }
   }

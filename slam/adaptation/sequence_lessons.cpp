@@ -4,6 +4,7 @@
 
 #include "slam/adaptation/device_refinement.hpp"
 #include "slam/adaptation/inertial_lesson.hpp"
+#include "slam/adaptation/rehearsal.hpp"
 #include "slam/adaptation/visual_lesson.hpp"
 #include "slam/base/error.hpp"
 #include "slam/nn/ops/pointwise.hpp"
@@ -18,7 +19,8 @@ SequenceLessons::SequenceLessons(const EpochRequest& request,
     : request_(request),
       networks_(networks),
       device_(device),
-      usable_(static_cast<std::size_t>(request.options.edges) + 1, 0) {
+      simulated_(rehearsal_logs(request.options.seed)),
+      usable_(static_cast<std::size_t>(request.options.lessons_per_step()), 0) {
   const bool frozen = networks.match() == nullptr;
   if (frozen && request.options.recall_matches) matches_ = std::make_shared<vo::MatchRecording>();
 }
@@ -52,7 +54,7 @@ void SequenceLessons::begin_step() { std::fill(usable_.begin(), usable_.end(), 0
 
 bool SequenceLessons::teaches(std::size_t slot) const {
   if (!epoch_->teacher) return false;
-  if (slot != inertial_slot()) return !epoch_->traces.empty();
+  if (!is_inertial(slot)) return !epoch_->traces.empty();
   return networks_.imu_network() != nullptr && epoch_->log.truth.size() >= 2;
 }
 
@@ -69,20 +71,32 @@ Var SequenceLessons::inertial(nn::Tape<float>& tape, int step) const {
   return scale(tape, inertial_lesson(tape, of, random), options.imu_weight * options.edges);
 }
 
-Var SequenceLessons::lesson(nn::Tape<float>& tape, std::size_t slot, int step) {
-  const Var nothing = tape.constant(nn::Tensor<float>({1}));
-  if (!teaches(slot)) return nothing;
-  if (slot == inertial_slot()) {
-    usable_[slot] = 1;
-    return inertial(tape, step);
-  }
+Var SequenceLessons::rehearse(nn::Tape<float>& tape, std::size_t slot, int step) const {
+  const AdaptationOptions& options = request_.options;
+  const std::uint64_t index =
+      static_cast<std::uint64_t>(step) * static_cast<std::uint64_t>(options.rehearsals) +
+      (slot - inertial_slot() - 1);
+  const double share = options.rehearsal_weight * options.imu_weight * options.edges /
+                       static_cast<double>(options.rehearsals);
+  return scale(tape, rehearsal(tape, *networks_.imu_network(), simulated_, index), share);
+}
+
+Var SequenceLessons::visual(nn::Tape<float>& tape, std::size_t slot, int step, bool& usable) const {
   const AdaptationOptions& options = request_.options;
   const auto step_of_epoch = static_cast<std::size_t>(step % options.steps_per_epoch);
   const std::size_t place = step_of_epoch * static_cast<std::size_t>(options.edges) + slot;
   const MotionTrace& trace = epoch_->traces[place % epoch_->traces.size()];
   const VisualClass of{networks_, *epoch_->teacher, epoch_->camera, request_.slam.vo, options};
-  bool usable = false;
-  const Var said = visual_lesson(tape, trace, of, usable);
+  return visual_lesson(tape, trace, of, usable);
+}
+
+Var SequenceLessons::lesson(nn::Tape<float>& tape, std::size_t slot, int step) {
+  const Var nothing = tape.constant(nn::Tensor<float>({1}));
+  if (!teaches(slot)) return nothing;
+  bool usable = true;
+  const Var said = slot == inertial_slot() ? inertial(tape, step)
+                   : is_inertial(slot)     ? rehearse(tape, slot, step)
+                                           : visual(tape, slot, step, usable);
   usable_[slot] = usable ? 1 : 0;
   return usable ? said : nothing;
 }
@@ -92,7 +106,7 @@ learner::BatchTally SequenceLessons::tally() const {
   tally.residual = epoch_->outcome.result.solve.gradient_norm;
   for (std::size_t slot = 0; slot < usable_.size(); ++slot) {
     if (usable_[slot] != 0) continue;
-    const bool idle = slot == inertial_slot() && networks_.imu_network() == nullptr;
+    const bool idle = is_inertial(slot) && networks_.imu_network() == nullptr;
     if (!idle) ++tally.refused[static_cast<std::size_t>(learner::Refusal::kUnconverged)];
   }
   return tally;

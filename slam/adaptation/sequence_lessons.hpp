@@ -7,6 +7,7 @@
 #include "slam/adaptation/epoch.hpp"
 #include "slam/adaptation/epoch_scores.hpp"
 #include "slam/learner/training_record.hpp"
+#include "slam/training/inertial_log_generator.hpp"
 #include "vo_net/match_recording.hpp"
 
 namespace imslam::adaptation {
@@ -26,7 +27,7 @@ class SequenceLessons {
   const Epoch& epoch() const { return *epoch_; }
   EpochScores scores();
 
-  /// Motions of vision, then a stretch of the inertial log.
+  /// Motions of vision, then a stretch of the inertial log, then rehearsals.
   std::size_t slots() const { return usable_.size(); }
   /// Before the lessons of a step, on the calling thread.
   void begin_step();
@@ -42,7 +43,10 @@ class SequenceLessons {
  private:
   std::size_t inertial_slot() const { return static_cast<std::size_t>(request_.options.edges); }
   bool teaches(std::size_t slot) const;
+  bool is_inertial(std::size_t slot) const { return slot >= inertial_slot(); }
   nn::Var inertial(nn::Tape<float>& tape, int step) const;
+  nn::Var rehearse(nn::Tape<float>& tape, std::size_t slot, int step) const;
+  nn::Var visual(nn::Tape<float>& tape, std::size_t slot, int step, bool& usable) const;
 
   EpochRequest request_;
   LearnedNetworks& networks_;
@@ -50,6 +54,7 @@ class SequenceLessons {
   std::shared_ptr<vo::MatchRecording> matches_;  ///< null: the matcher is asked in every run
   std::unique_ptr<Epoch> epoch_;
   std::optional<training::InertialLog> truth_;  ///< of the inertial sensor
+  training::InertialLogGenerator simulated_;    ///< logs of other sensors
   std::vector<char> usable_;                    ///< by slot of the last step
 };
 
