@@ -53,7 +53,7 @@ TEST(FinetuneCommand, LeavesNetworksWithModelCardsTwoRunsAndAReport) {
 
 TEST(FinetuneCommand, WhatItFoundOfTheDeviceIsUsedForThatDeviceOnly) {
   const TempDir dir;
-  ASSERT_EQ(finetune(dir, ".").exit_code, 0);
+  ASSERT_EQ(finetune(dir, ".", "--force").exit_code, 0);  // whether or not so little gains
   const fs::path weights = dir.path() / "tuned" / "weights";
   const auto device = finetune_metrics(dir.path() / "tuned").at("sequences").at(0).at("device");
   const std::string fingerprint = device.at("fingerprint");
@@ -67,6 +67,18 @@ TEST(FinetuneCommand, WhatItFoundOfTheDeviceIsUsedForThatDeviceOnly) {
   ASSERT_EQ(own.exit_code, 0) << own.err;
   EXPECT_EQ(own.err.find("another device"), std::string::npos) << own.err;
   std::string text = slurp(weights / "device.yaml");
+  // Of several devices there is a folder, with a file for each.
+  const fs::path devices = dir.path() / "devices";
+  fs::create_directories(devices);
+  const std::string with_folder = run + quoted((dir.path() / "folder").string()) +
+                                  " --force --set system.device=" + quoted(devices.string());
+  const auto stranger = run_imslam(dir, with_folder);
+  ASSERT_EQ(stranger.exit_code, 0) << stranger.err;
+  EXPECT_NE((stranger.out + stranger.err).find("knows nothing of this device"), std::string::npos)
+      << stranger.err;
+  std::ofstream(devices / (fingerprint + ".yaml")) << text;
+  const auto known = run_imslam(dir, with_folder);
+  EXPECT_EQ((known.out + known.err).find("knows nothing"), std::string::npos) << known.err;
   const auto place = text.find(fingerprint);
   ASSERT_NE(place, std::string::npos) << text;
   text.replace(place, 4, "beef");

@@ -49,6 +49,15 @@ TEST(ProcessGroup, ASumHasTheSameBytesForAnyNumberOfProcesses) {
   for (const int jobs : {2, 3, 4, 9}) EXPECT_EQ(on_rank_zero(jobs, &sum_in), alone) << jobs;
 }
 
+TEST(ProcessGroup, AllRanksKnowWhatAnyOfThemSays) {
+  for (const int speaker : {0, 2, 7}) {
+    const auto heard = on_rank_zero(3, [speaker](ProcessGroup& group) {
+      return group.gather(group.any(group.rank() == speaker) ? "yes" : "no");
+    });
+    for (const std::string& word : heard) EXPECT_EQ(word, speaker < 3 ? "yes" : "no") << speaker;
+  }
+}
+
 TEST(ProcessGroup, EveryRankHasTheSum) {
   const auto seen = on_rank_zero(3, [](ProcessGroup& group) {
     const auto sum = sum_in(group);
