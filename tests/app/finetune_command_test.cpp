@@ -70,8 +70,10 @@ TEST(FinetuneCommand, WhatItFoundOfTheDeviceIsUsedForThatDeviceOnly) {
   // Of several devices there is a folder, with a file for each.
   const fs::path devices = dir.path() / "devices";
   fs::create_directories(devices);
-  const std::string with_folder = run + quoted((dir.path() / "folder").string()) +
-                                  " --force --set system.device=" + quoted(devices.string());
+  const std::string with_folder =
+      "run " + quoted(testing::simulated_base().sequence.string()) +
+      " --frames 0:10 --force --set system.device=" + quoted(devices.string()) + " --out " +
+      quoted((dir.path() / "folder").string());
   const auto stranger = run_imslam(dir, with_folder);
   ASSERT_EQ(stranger.exit_code, 0) << stranger.err;
   EXPECT_NE((stranger.out + stranger.err).find("knows nothing of this device"), std::string::npos)
