@@ -1,14 +1,11 @@
-// GFLOP/s of our convolution beside oneDNN's, layer by layer, in one run: min and median of
-// repeats that take turns, so that other load on the machine meets both. oneDNN's arrays lie in its
-// own best formats, ours in [N, H, W, C]; forward uses weights packed before by both, our backward
-// passes pack theirs within the time.
+// GFLOP/s of our convolution beside oneDNN's and PyTorch's, layer by layer, in one run: min and
+// median of repeats that take turns, so that other load on the machine meets all. oneDNN's arrays
+// lie in its own best formats, PyTorch's in the better of its two, ours in [N, H, W, C]; forward
+// uses weights packed before by oneDNN and us, our backward passes pack theirs within the time.
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <ctime>
+#include <functional>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "slam/base/parallel.hpp"
@@ -16,6 +13,8 @@
 #include "slam/nn/kernels/convolution.hpp"
 #include "slam/nn/kernels/instruction_set.hpp"
 #include "tools/bench/onednn_convolution.hpp"
+#include "tools/bench/pytorch_yardstick.hpp"
+#include "tools/bench/taken_times.hpp"
 
 namespace imslam::bench {
 namespace {
@@ -50,61 +49,36 @@ double giga_operations(const ConvolutionShape& shape) {
   return 2e-9 * double(shape.output_size()) * double(shape.weight_size()) / shape.out_channels;
 }
 
-/// [s] Of one thread its own processor time, so that time lent to other programs does not count; of
-/// several threads wall time.
-double now(int threads) {
-  timespec time{};
-  clock_gettime(threads == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &time);
-  return double(time.tv_sec) + 1e-9 * double(time.tv_nsec);
-}
-
-/// Seconds of each repeat.
-class Times {
- public:
-  explicit Times(int threads) : threads_(threads) {}
-  void measure(const std::function<void()>& call) {
-    const double start = now(threads_);
-    call();
-    seconds_.push_back(now(threads_) - start);
-  }
-  double minimum() const { return *std::min_element(seconds_.begin(), seconds_.end()); }
-  double median() const {
-    std::vector<double> sorted = seconds_;
-    std::sort(sorted.begin(), sorted.end());
-    return sorted[sorted.size() / 2];
-  }
-
- private:
-  int threads_;
-  std::vector<double> seconds_;
-};
-
 struct Measured {
   double best = 0.0, median = 0.0;  ///< [GFLOP/s]
 };
 
-/// oneDNN's OpenMP threads go on spinning after a call; ours wait until they have given up.
-void measure_round(const std::function<void()>& call, int calls, Times& times) {
-  call();
-  for (int i = 0; i < calls; ++i) times.measure(call);
-  std::this_thread::sleep_for(std::chrono::milliseconds(10));
+/// What is compared on one layer; the yardsticks may be missing.
+struct Contestants {
+  std::function<void()> ours, onednn;
+  PyTorchYardstick* pytorch;
+};
+
+struct Results {
+  Measured ours, onednn, pytorch;
+};
+
+Measured speed_of(const TakenTimes& times, double operations) {
+  if (times.empty()) return {};
+  return {operations / times.minimum_s(), operations / times.median_s()};
 }
 
-std::pair<Measured, Measured> compare(const std::function<void()>& ours,
-                                      const std::function<void()>& yardstick,
-                                      double operations,
-                                      int threads,
-                                      int rounds) {
+Results compare(const Contestants& contestants, double operations, int threads, int rounds) {
   constexpr int kCalls = 5;
-  Times our_times(threads), yardstick_times(threads);
+  TakenTimes ours(threads), onednn(threads), pytorch(threads);
   for (int round = 0; round < rounds; ++round) {
-    measure_round(ours, kCalls, our_times);
-    if (yardstick) measure_round(yardstick, kCalls, yardstick_times);
+    measure_round(contestants.ours, kCalls, ours);
+    if (contestants.onednn) measure_round(contestants.onednn, kCalls, onednn);
+    if (contestants.pytorch == nullptr) continue;
+    pytorch.add(contestants.pytorch->times(kCalls));
+    let_threads_sleep();
   }
-  const auto speed = [operations](const Times& times) -> Measured {
-    return {operations / times.minimum(), operations / times.median()};
-  };
-  return {speed(our_times), yardstick ? speed(yardstick_times) : Measured{}};
+  return {speed_of(ours, operations), speed_of(onednn, operations), speed_of(pytorch, operations)};
 }
 
 /// Arrays of one layer and the calls that work on them.
@@ -144,26 +118,44 @@ struct Arrays {
   nn::Workspace workspace;
 };
 
-void run(const std::string& wanted, int threads, int rounds) {
+void print(const Measured& measured, double ours) {
+  if (measured.best <= 0.0) return void(std::printf("  %23s", "-"));
+  std::printf("  %6.1f (%6.1f)  %5.2f", measured.best, measured.median, ours / measured.best);
+}
+
+void measure(
+    const Layer& layer, const char* title, PyTorchYardstick& pytorch, int threads, int rounds) {
+  constexpr const char* kPasses[] = {"forward", "backward data", "backward weights"};
+  const ConvolutionShape shape = shape_of(layer);
+  for (const Pass pass : {Pass::kForward, Pass::kBackwardData, Pass::kBackwardWeights}) {
+    Arrays arrays(shape);
+    if (pytorch.available()) pytorch.prepare_convolution(shape, pass);
+    const Results results = compare({arrays.call(pass), onednn_convolution(shape, pass),
+                                     pytorch.available() ? &pytorch : nullptr},
+                                    giga_operations(shape), threads, rounds);
+    std::printf("%-24s %-17s %6.1f (%6.1f)", title, kPasses[static_cast<int>(pass)],
+                results.ours.best, results.ours.median);
+    print(results.onednn, results.ours.best);
+    print(results.pytorch, results.ours.best);
+    std::printf("\n");
+    std::fflush(stdout);
+  }
+}
+
+void run(const std::string& wanted, PyTorchYardstick& pytorch, int threads, int rounds) {
   set_thread_count(threads);
   set_onednn_threads(threads);
-  std::printf("\n%s, %d thread(s); GFLOP/s best (median): ours, oneDNN, ratio of the best\n",
-              name(nn::selected_instruction_set()), threads);
-  constexpr const char* kPasses[] = {"forward", "backward data", "backward weights"};
+  if (pytorch.available()) pytorch.set_threads(threads);
+  std::printf(
+      "\n%s, %d thread(s); GFLOP/s best (median): ours; oneDNN and PyTorch, each with the ratio of "
+      "the best\n",
+      name(nn::selected_instruction_set()), threads);
   for (const Layer& layer : kLayers) {
-    const ConvolutionShape shape = shape_of(layer);
     char title[64];
     std::snprintf(title, sizeof title, "%d->%d %dx%d s%d %dx%d", layer.inputs, layer.outputs,
                   layer.kernel, layer.kernel, layer.stride, layer.height, layer.width);
-    if (std::string(title).find(wanted) == std::string::npos) continue;
-    for (const Pass pass : {Pass::kForward, Pass::kBackwardData, Pass::kBackwardWeights}) {
-      Arrays arrays(shape);
-      const auto [ours, yardstick] = compare(arrays.call(pass), onednn_convolution(shape, pass),
-                                             giga_operations(shape), threads, rounds);
-      std::printf("%-24s %-17s %6.1f (%6.1f)  %6.1f (%6.1f)  %5.2f\n", title,
-                  kPasses[static_cast<int>(pass)], ours.best, ours.median, yardstick.best,
-                  yardstick.median, yardstick.best > 0 ? ours.best / yardstick.best : 0.0);
-      std::fflush(stdout);
+    if (std::string(title).find(wanted) != std::string::npos) {
+      measure(layer, title, pytorch, threads, rounds);
     }
   }
 }
@@ -173,18 +165,22 @@ void run(const std::string& wanted, int threads, int rounds) {
 
 int main(int argc, char** argv) {
   using imslam::nn::InstructionSet;
-  CLI::App app("Convolution speed beside oneDNN");
+  CLI::App app("Convolution speed beside oneDNN and PyTorch");
   int set = static_cast<int>(imslam::nn::available_instruction_sets().back());
   std::string layer;
   std::vector<int> threads = {1, 2};
   int rounds = 12;
+  std::string python = "/usr/bin/python3";
   app.add_option("--instruction-set", set, "0 SSE2, 1 AVX2, 2 AVX-512");
   app.add_option("--layer", layer, "only layers whose title contains this");
   app.add_option("--threads", threads, "numbers of threads");
   app.add_option("--rounds", rounds, "rounds of five calls");
+  app.add_option("--python", python, "the interpreter that has PyTorch; empty: without it");
   CLI11_PARSE(app, argc, argv);
   imslam::nn::select_instruction_set(static_cast<InstructionSet>(set));
   imslam::bench::limit_onednn(static_cast<InstructionSet>(set));
-  for (const int count : threads) imslam::bench::run(layer, count, rounds);
+  imslam::bench::PyTorchYardstick pytorch(python);
+  if (!pytorch.available()) std::printf("Without PyTorch: %s.\n", pytorch.why_not().c_str());
+  for (const int count : threads) imslam::bench::run(layer, pytorch, count, rounds);
   return 0;
 }

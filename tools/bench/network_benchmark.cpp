@@ -7,7 +7,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <ctime>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "slam/base/parallel.hpp"
 #include "slam/base/random.hpp"
 #include "slam/nn/kernels/instruction_set.hpp"
+#include "tools/bench/taken_times.hpp"
 #include "vo_net/match_inference.hpp"
 
 namespace imslam {
@@ -38,29 +38,19 @@ GrayImage random_image(const Request& request, Random& random) {
   return image;
 }
 
-/// [s] Of one thread its own processor time, so that time lent to other programs does not count; of
-/// several threads wall time.
-double now() {
-  timespec time{};
-  clock_gettime(thread_count() == 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
-/// Other work on the machine makes single times long, never short: the smallest says most. What
-/// `prepare` does is not counted.
+/// What `prepare` does is not counted.
 void measure(const char* what,
              int repeats,
              const std::function<void()>& prepare,
              const std::function<void()>& work) {
-  std::vector<double> times_ms;
-  for (int i = -1; i < repeats; ++i) {
+  prepare();
+  work();  // the first one allocates
+  bench::TakenTimes times(thread_count());
+  for (int i = 0; i < repeats; ++i) {
     prepare();
-    const double start = now();
-    work();
-    if (i >= 0) times_ms.push_back(1e3 * (now() - start));  // the first one allocates
+    times.measure(work);
   }
-  std::sort(times_ms.begin(), times_ms.end());
-  fmt::print("{:<24}{:>10.2f}{:>10.2f}\n", what, times_ms.front(), times_ms[times_ms.size() / 2]);
+  fmt::print("{:<24}{:>10.2f}{:>10.2f}\n", what, 1e3 * times.minimum_s(), 1e3 * times.median_s());
 }
 
 void run(const Request& request) {

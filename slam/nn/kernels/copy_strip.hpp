@@ -22,6 +22,10 @@ EIGEN_ALWAYS_INLINE void copy_part(const float* from, int channels, float* to) {
 /// Few channels, not in blocks.
 void copy_small_pixels(const StripCopy& copy, const float* from, int count, float* to) {
   const std::ptrdiff_t step = std::ptrdiff_t{copy.stride} * copy.channels;
+  if (copy.pixel_pitch == 1 && step == 1) {
+    __builtin_memcpy(to, from, static_cast<std::size_t>(count) * sizeof(float));
+    return;
+  }
   if (copy.pixel_pitch == 1) {
     for (int i = 0; i < count; ++i) to[i] = from[i * step];
     return;

@@ -11,22 +11,34 @@ namespace {
 /// one broadcast input.
 constexpr int max_pixels(int packets) { return (kRegisters - 1 - packets) / packets; }
 
-template <int P, int Q>
-EIGEN_ALWAYS_INLINE void store_tile(const RowProduct& row,
+template <bool kActivate, bool kWhole, int P, int Q>
+EIGEN_ALWAYS_INLINE void store_sums(const RowProduct& row,
                                     const Packet (&sum)[P][Q],
                                     float* output) {
   const Packet slope = pset1<Packet>(row.negative_slope);
-  const bool activate = row.negative_slope != 1.0F;
+  const std::ptrdiff_t pitch = row.output_pitch;
+  const int last_lanes = kWhole ? kLanes : row.last_lanes;
 #pragma GCC unroll 32
   for (int p = 0; p < P; ++p) {
 #pragma GCC unroll 4
     for (int q = 0; q < Q; ++q) {
       Packet value = sum[p][q];
-      if (activate) value = pselect(pcmp_lt(value, pzero(value)), pmul(value, slope), value);
-      float* to = output + p * row.output_pitch + q * kLanes;
-      store_lanes(to, value, q + 1 == Q ? row.last_lanes : kLanes);
+      if (kActivate) value = pselect(pcmp_lt(value, pzero(value)), pmul(value, slope), value);
+      store_lanes(output + p * pitch + q * kLanes, value, q + 1 == Q ? last_lanes : kLanes);
     }
   }
+}
+
+/// What is the same for all of a tile is asked once: where there are few taps, the stores would
+/// take as long as the products.
+template <int P, int Q>
+EIGEN_ALWAYS_INLINE void store_tile(const RowProduct& row,
+                                    const Packet (&sum)[P][Q],
+                                    float* output) {
+  const bool activate = row.negative_slope != 1.0F;
+  if (row.last_lanes < kLanes) return store_sums<true, false>(row, sum, output);
+  if (activate) return store_sums<true, true>(row, sum, output);
+  store_sums<false, true>(row, sum, output);
 }
 
 /// sum += x[p pitch] w for one channel; x and w go on to the next channel.
