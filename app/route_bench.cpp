@@ -200,6 +200,8 @@ class BenchTable {
 
 /// For other programs: [{"depot": 0, "points": [[x, y], ...]}, ...]
 void export_instances(const fs::path& file, const std::vector<routing::Instance>& instances) {
+  std::error_code error;  // a folder that cannot be made is one that cannot be written to
+  fs::create_directories(file.parent_path(), error);
   nlohmann::json all = nlohmann::json::array();
   for (const routing::Instance& instance : instances) {
     nlohmann::json points = nlohmann::json::array();

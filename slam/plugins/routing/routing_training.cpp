@@ -35,6 +35,16 @@ SurrogateNetwork<float> first_surrogate(const RoutingTrainingOptions& options) {
   return SurrogateNetwork<float>(random);
 }
 
+std::string text_of_sizes(const RoutingTrainingOptions& options) {
+  if (options.most_cities <= options.cities) return fmt::format("{}", options.cities);
+  return fmt::format("{} to {}", options.cities, options.most_cities);
+}
+
+std::string text_of_lessons(const RoutingTrainingOptions& options) {
+  if (options.estimator != "alternating") return fmt::format("{} draws each", options.samples);
+  return fmt::format("{} iterations of its search per city", options.effort);
+}
+
 /// Sum over all numbers of their variance over the batches.
 double scatter(const std::vector<nn::Gradients<float>>& batches) {
   const auto count = static_cast<double>(batches.size());
@@ -186,14 +196,19 @@ void RoutingTraining::finish_step() {
   surrogate_optimizer_.step(parameters, sums, options_.surrogate_rate);
 }
 
+Instance RoutingTraining::held_out(int index) const {
+  Random random = Random(kHeldOut).fork(static_cast<std::uint64_t>(index));
+  return draw_instance(random);
+}
+
 learner::ValidationRecord RoutingTraining::look() {
   const auto count = static_cast<std::size_t>(options_.validation_samples);
   std::vector<double> likeliest(count), drawn(count);
   with_average([&] {
     parallel_for(count, [&](std::size_t i) {
-      Random random = Random(kHeldOut).fork(i);
       AllocationProblem problem(options_.agents);
-      problem.set_instance(draw_instance(random));
+      problem.set_instance(held_out(static_cast<int>(i)));
+      Random random = Random(kHeldOut).fork(i).fork(1);
       const learner::Vector z = allocation_logits(network_, problem.instance());
       likeliest[i] = *problem.cost(likeliest_allocation(z, options_.agents));
       drawn[i] = *problem.cost(problem.draw(z, random));
@@ -221,13 +236,14 @@ nn::ModelCard RoutingTraining::card() const {
       "allocation network of imslam's routing plugin: shares cities of the plane out to {} agents "
       "so that the longest tour is short",
       options_.agents);
-  card.data = fmt::format(
-      "{} random instances of {} uniform cities, depot random, {} draws each, estimator {}",
-      static_cast<std::int64_t>(step_count()) * options_.batch, options_.cities, options_.samples,
-      options_.estimator);
+  const std::string cities = text_of_sizes(options_);
+  card.data =
+      fmt::format("{} random instances of {} uniform cities, depot random, estimator {}, {}",
+                  static_cast<std::int64_t>(step_count()) * options_.batch, cities,
+                  options_.estimator, text_of_lessons(options_));
   card.seed = fmt::format("{}", options_.seed);
-  card.metrics = fmt::format("{} held-out random instances of {} cities",
-                             options_.validation_samples, options_.cities);
+  card.metrics =
+      fmt::format("{} held-out random instances of {} cities", options_.validation_samples, cities);
   card.limits =
       "uniform cities; other distributions, or many more cities, are not what it was trained on";
   return card;

@@ -41,6 +41,7 @@ class RoutingTraining : public learner::ImperativeTraining {
 
   /// Mean longest tour of held-out instances: to the likeliest agent each, and drawn.
   learner::ValidationRecord look() override;
+  Instance held_out(int index) const;  ///< of those
   std::string log_columns() const override { return "longest_likeliest,longest_drawn"; }
   std::string name() const override;
   nn::ModelCard card() const override;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "slam/learner/control_variate.hpp"
 #include "slam/learner/log_derivative.hpp"
@@ -168,6 +169,25 @@ TEST(AllocationNetwork, GradientsAreThoseOfCentralDifferences) {
     EXPECT_NEAR(gradients[p][0], (above - below) / (2.0 * kStep),
                 1e-6 * (1.0 + std::abs(gradients[p][0])))
         << parameters[p].name;
+  }
+}
+
+TEST(AllocationNetwork, WhatAllCitiesHaveInCommonDoesNotReachTheLogits) {
+  Random random(4);
+  const Instance instance = random_instance(50, random);
+  for (const bool centred : {true, false}) {
+    AllocationSizes sizes;
+    sizes.centred = centred;
+    AllocationNetwork<float> network(3, sizes, random);
+    const Vector z = allocation_logits(network, instance);
+    network.city_policy.bias.value.array() += 1.0F;
+    const Vector shifted = allocation_logits(network, instance);
+    EXPECT_EQ((shifted - z).norm() < 1e-4, centred);
+    // Hence each agent is likely to visit some, from the start.
+    const Vector x = likeliest_allocation(z, 3);
+    if (centred) {
+      EXPECT_EQ(std::set<double>(x.begin(), x.end()).size(), 3U);
+    }
   }
 }
 
