@@ -23,7 +23,7 @@ namespace imslam::app {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kBenchExamples =
     "Examples:\n"
     "  imslam bench suite_euroc --root /data/euroc             the published table and our rows\n"
     "  imslam bench suite_kitti --root /data/kitti --jobs 4    four processes\n"
@@ -110,7 +110,7 @@ ExitCode bench(const BenchArguments& arguments, const CommonOptions& common) {
 void add_bench_command(CLI::App& app, Action& action, const CommonOptions& common) {
   auto* command =
       app.add_subcommand("bench", "Run a suite of sequences; the published table and ours");
-  command->footer(kExamples);
+  command->footer(kBenchExamples);
   auto arguments = std::make_shared<BenchArguments>();
   command->add_option("suite", arguments->suite, "Suite file, or suite_kitti, suite_euroc")
       ->required();

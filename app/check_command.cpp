@@ -18,7 +18,7 @@ namespace {
 using datasets::Finding;
 using datasets::Severity;
 
-constexpr const char* kExamples =
+constexpr const char* kCheckExamples =
     "Examples:\n"
     "  imslam check MH_01_easy\n"
     "  imslam check my_recording --all-images --json\n"
@@ -100,7 +100,7 @@ ExitCode check(const CheckArguments& arguments) {
 
 void add_check_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("check", "List everything that is wrong with a recording");
-  command->footer(kExamples);
+  command->footer(kCheckExamples);
   auto arguments = std::make_shared<CheckArguments>();
   command->add_option("folder", arguments->folder, "Folder of the sequence")->required();
   command->add_option("--format", arguments->options.format, "auto or one of the known formats")

@@ -16,7 +16,7 @@
 namespace imslam::app {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kEvalExamples =
     "Files: TUM (time_s tx ty tz qx qy qz qw), KITTI (3x4 per line), EuRoC (csv, ns); found by\n"
     "themselves. Figures are those of evo and of the KITTI devkit. Exit code 8: impossible.\n"
     "\n"
@@ -89,7 +89,7 @@ ExitCode evaluate_files(EvalRequest request) {
 
 void add_eval_command(CLI::App& app, Action& action) {
   auto* eval = app.add_subcommand("eval", "Compare a trajectory with a reference");
-  eval->footer(kFooter);
+  eval->footer(kEvalExamples);
   auto request = std::make_shared<EvalRequest>();
   eval->add_option("reference", request->reference, "Ground truth")->required();
   eval->add_option("estimate", request->estimate, "Trajectory to be judged")->required();

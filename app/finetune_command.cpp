@@ -6,7 +6,7 @@
 namespace imslam::app {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kFinetuneExamples =
     "Examples:\n"
     "  imslam finetune MH_01_easy                        the graph teaches the networks, no "
     "labels\n"
@@ -24,7 +24,7 @@ constexpr const char* kExamples =
 void add_finetune_command(CLI::App& app, Action& action, const CommonOptions& common) {
   auto* command = app.add_subcommand(
       "finetune", "Let the graph teach the networks on a sequence or a suite, no labels");
-  command->footer(kExamples);
+  command->footer(kFinetuneExamples);
   auto arguments = std::make_shared<FinetuneArguments>();
   command->add_option("dataset", arguments->dataset,
                       "Folder of the sequence; or a suite: a file, or suite_kitti, suite_euroc");

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter =
+constexpr const char* kImuExamples =
     "A log is a EuRoC folder, or PATH/NAME of NAME_imu.csv with NAME_truth.tum (TUM) or\n"
     "NAME_poses.txt (KITTI, with T_cam0_imu.txt). Each window starts from its true state; nothing\n"
     "corrects it on the way. Rows:\n"
@@ -183,7 +183,7 @@ ExitCode compare(const ImuArguments& arguments) {
 
 void add_imu_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("imu", "Integrate inertial logs openly, compare with truth");
-  command->footer(kFooter);
+  command->footer(kImuExamples);
   auto arguments = std::make_shared<ImuArguments>();
   command->add_option("logs", arguments->logs, "EuRoC folders, or PATH/NAME")->required();
   command->add_option("--windows", arguments->windows, "Lengths of the windows [s]")

@@ -6,6 +6,7 @@
 
 #include "app/command.hpp"
 #include "app/interrupt.hpp"
+#include "app/usage_error.hpp"
 #include "app/version.hpp"
 #include "slam/base/log.hpp"
 #include "slam/base/parallel.hpp"
@@ -67,6 +68,7 @@ int execute(int argc, char** argv) {
   app.set_version_flag("--version", version_text());
   app.require_subcommand(1);
   app.fallthrough();
+  app.failure_message(usage_error);
 
   CommonOptions common;
   common.command_line.assign(argv, argv + argc);

@@ -15,7 +15,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kExamples =
+constexpr const char* kModelExamples =
     "Examples:\n"
     "  imslam model info vo_net.safetensors             model card and tensors\n"
     "  imslam model info vo_net.safetensors --json\n"
@@ -96,7 +96,7 @@ ExitCode verify(const ModelArguments& arguments) {
 
 void add_model_command(CLI::App& app, Action& action) {
   auto* command = app.add_subcommand("model", "Show or check a weight file");
-  command->footer(kExamples);
+  command->footer(kModelExamples);
   command->require_subcommand(1);
   auto arguments = std::make_shared<ModelArguments>();
 

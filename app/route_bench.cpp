@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Network = std::shared_ptr<const routing::AllocationNetwork<float>>;
 
-constexpr const char* kFooter =
+constexpr const char* kRouteBenchExamples =
     "Every method solves the same random instances (uniform cities, random depot). Rows `paper "
     "...`\n"
     "are published means over other instances, for orientation; nothing of them is run here.\n"
@@ -248,7 +248,7 @@ ExitCode bench(const BenchArguments& arguments, bool quiet) {
 
 void add_route_bench(CLI::App& parent, Action& action, const CommonOptions& common) {
   auto* command = parent.add_subcommand("bench", "Compare the methods on random instances");
-  command->footer(kFooter);
+  command->footer(kRouteBenchExamples);
   auto arguments = std::make_shared<BenchArguments>();
   command->add_option("--agents", arguments->agents, "Numbers of agents")->capture_default_str();
   command->add_option("--cities", arguments->cities, "Numbers of cities, the depot included")

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFooter =
+constexpr const char* kRouteSolveExamples =
     "FILE: TSPLIB (EUC_2D, CEIL_2D, GEO, ATT, EXPLICIT), a line x,y per city, or a table of\n"
     "distances (row: from, column: to; need be neither symmetric nor a metric). Methods:\n"
     "  search          insertion, then ruin and recreate that attacks the longest tour\n"
@@ -106,7 +106,7 @@ ExitCode solve_files(const SolveArguments& given) {
 
 void add_route_solve(CLI::App& parent, Action& action, const CommonOptions&) {
   auto* command = parent.add_subcommand("solve", "Find tours for the cities of a file");
-  command->footer(kFooter);
+  command->footer(kRouteSolveExamples);
   auto arguments = std::make_shared<SolveArguments>();
   command->add_option("file", arguments->file, "Cities");
   command->add_option("--random", arguments->random, "Instead: N uniform cities, by --seed");

@@ -13,7 +13,7 @@
 namespace imslam::app {
 namespace {
 
-constexpr const char* kFooter =
+constexpr const char* kRouteVarianceExamples =
     "Trains by the control variate and looks, every --every steps, at the gradient that each\n"
     "estimator would take there: the variance over 16 mini-batches of 32 instances, summed over "
     "all\n"
@@ -47,7 +47,7 @@ ExitCode study(const VarianceArguments& arguments, bool quiet) {
 
 void add_route_variance(CLI::App& parent, Action& action, const CommonOptions& common) {
   auto* command = parent.add_subcommand("variance", "Compare the gradients' variance in training");
-  command->footer(kFooter);
+  command->footer(kRouteVarianceExamples);
   auto arguments = std::make_shared<VarianceArguments>();
   command->add_option("--agents", arguments->options.agents, "Agents")->capture_default_str();
   command->add_option("--cities", arguments->options.cities, "Cities")->capture_default_str();

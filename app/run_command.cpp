@@ -28,7 +28,7 @@ namespace imslam::app {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kRunExamples =
     "Examples:\n"
     "  imslam run                                    the built-in simulated sequence\n"
     "  imslam run MH_01_easy --out runs/mh01         a EuRoC folder\n"
@@ -136,7 +136,7 @@ ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
 
 void add_run_command(CLI::App& app, Action& action, const CommonOptions& common) {
   auto* command = app.add_subcommand("run", "Estimate the trajectory of a sequence and report");
-  command->footer(kExamples);
+  command->footer(kRunExamples);
   auto arguments = std::make_shared<RunArguments>();
   command->add_option("dataset", arguments->dataset,
                       "Folder of the sequence; none: the built-in simulated one");

@@ -13,7 +13,7 @@
 namespace imslam::app {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kSimulateExamples =
     "Examples:\n"
     "  imslam simulate out/room                             the built-in default sequence\n"
     "  imslam simulate out/street --set scene=street --set duration_s=60 --set seed=3\n"
@@ -59,7 +59,7 @@ ExitCode simulate(const SimulateArguments& arguments, bool quiet) {
 
 void add_simulate_command(CLI::App& app, Action& action, const CommonOptions& common) {
   auto* command = app.add_subcommand("simulate", "Render a stereo-inertial sequence with truth");
-  command->footer(kExamples);
+  command->footer(kSimulateExamples);
   auto arguments = std::make_shared<SimulateArguments>();
   command->add_option("out", arguments->out, "Folder to write (EuRoC layout)");
   command->add_option("-c,--config", arguments->files, "YAML file(s) with simulation keys");

@@ -10,7 +10,7 @@
 namespace imslam::app {
 namespace {
 
-constexpr const char* kExamples =
+constexpr const char* kTrainExamples =
     "Examples:\n"
     "  imslam train vo --config train_vo                 the shipped weights, from nothing\n"
     "  imslam train vo --config train_vo --resume        go on after a stop, bit by bit\n"
@@ -28,7 +28,7 @@ void add_network(CLI::App& parent,
                  Action& action,
                  const CommonOptions& common) {
   auto* command = parent.add_subcommand(name, description);
-  command->footer(kExamples);
+  command->footer(kTrainExamples);
   auto arguments = std::make_shared<TrainArguments>();
   arguments->out = "runs/train_" + name;
   add_training_options(*command, *arguments);
@@ -44,7 +44,7 @@ void add_network(CLI::App& parent,
 void add_train_command(CLI::App& app, Action& action, const CommonOptions& common) {
   auto* command = app.add_subcommand("train", "Train a network from nothing, without real data");
   command->require_subcommand(1);
-  command->footer(kExamples);
+  command->footer(kTrainExamples);
   add_network<training::PretrainVo, training::PretrainVoOptions>(
       *command, "vo", "The matching network of the stereo front end", action, common);
   add_network<training::ImuTraining, training::ImuTrainingOptions>(

@@ -105,6 +105,14 @@ Eigen::Matrix3d best_rotation(const Pairs& pairs) {
   return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
+/// Second over first singular value: 0 if all turns are about one axis.
+double planarity_of(const Eigen::Matrix3Xd& turns) {
+  const Eigen::Matrix3d moment = turns * turns.transpose();
+  const Eigen::JacobiSVD<Eigen::Matrix3d> squares(moment);
+  const Eigen::Vector3d lengths = squares.singularValues().cwiseSqrt();
+  return lengths(1) / std::max(1e-12, lengths(0));
+}
+
 struct Peak {
   double offset_s = 0.0;
   double value = -1.0;
@@ -204,7 +212,6 @@ RotationComparison compare_rotations(const std::vector<VisualRotation>& vision,
         .value;
   };
   const Eigen::Matrix3d R = best_rotation(pairs);
-  const Eigen::JacobiSVD<Eigen::Matrix3Xd> axes(pairs.gyro);
   result.intervals = static_cast<int>(pairs.index.size());
   for (std::size_t i = 0; i < pairs.index.size(); ++i) {
     const VisualRotation& interval = vision[pairs.index[i]];
@@ -216,7 +223,7 @@ RotationComparison compare_rotations(const std::vector<VisualRotation>& vision,
   result.calibrated = calibrated(R_body_left.inverse());
   result.inverted = calibrated(R_body_left);
   result.scale = scale_of(pairs, vision, R);
-  result.planarity = axes.singularValues()(1) / std::max(1e-12, axes.singularValues()(0));
+  result.planarity = planarity_of(pairs.gyro);
   result.R_left_body = lie::SO3d::from_matrix(R);
   result.valid = result.angle_rad > kMinAngle_rad && result.correlation > 0.5;
   return result;

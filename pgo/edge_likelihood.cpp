@@ -1,16 +1,20 @@
 #include "pgo/edge_likelihood.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 #include "pgo/edge_linearization.hpp"
 #include "pgo/graph_problem.hpp"
+#include "pgo/symmetric_eigen.hpp"
 #include "pgo/whitening.hpp"
 
 namespace imslam::pgo {
 namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
 constexpr double kFullLeverage = 0.999;  // beyond it nothing else measures that direction
 constexpr double kLeastWeight = 1e-6;    // of an outlier
@@ -28,52 +32,53 @@ Kernel kernel_at(const ceres::LossFunction* loss, double s) {
   return {rho[0], rho[1]};
 }
 
-double log_det_covariance(const Eigen::Ref<const Eigen::MatrixXd>& W) {
-  return -2.0 * W.diagonal().array().log().sum();
-}
+/// Sizes as in EdgeLikelihood and Foretold, known at run time: for fixed ones a compiler takes half
+/// a minute.
+struct Likelihood {
+  double nll;
+  VectorXd motion;
+  MatrixXd covariance;
+};
+
+struct Others {
+  VectorXd shift;
+  MatrixXd spread;
+};
 
 /// r = W e with W of the measurement's own covariance; J_measurement is whitened alike.
-template <int kSize, typename KernelAt>
-EdgeLikelihood<kSize> likelihood(const Eigen::Matrix<double, kSize, 1>& residual,
-                                 const Eigen::Matrix<double, kSize, kSize>& J_measurement,
-                                 const Eigen::Matrix<double, kSize, kSize>& W,
-                                 const Foretold<kSize>& others,
-                                 const KernelAt& kernel_at_square) {
-  using Matrix = Eigen::Matrix<double, kSize, kSize>;
-  using Vector = Eigen::Matrix<double, kSize, 1>;
+Likelihood likelihood(const VectorXd& residual,
+                      const MatrixXd& J_measurement,
+                      const MatrixXd& W,
+                      const Others& others,
+                      const std::function<Kernel(double)>& kernel_at_square) {
   // In units of W: u = r + W shift, C = I + W S W^T.
-  const Vector u = residual + W * others.shift;
-  const Matrix C = Matrix::Identity() + W * others.spread * W.transpose();
-  const Eigen::LLT<Matrix> llt(C);
-  const Vector a = llt.solve(u);
+  const VectorXd u = residual + W * others.shift;
+  MatrixXd C = W * others.spread * W.transpose();
+  C.diagonal().array() += 1.0;
+  const Eigen::LLT<MatrixXd> llt(C);
+  const VectorXd a = llt.solve(u);
   const Kernel kernel = kernel_at_square(u.dot(a));
-  const Matrix L = llt.matrixL();
-  const double log_det = 2.0 * L.diagonal().array().log().sum() + log_det_covariance(W);
-  EdgeLikelihood<kSize> result;
-  result.nll = 0.5 * (kernel.value + log_det);
-  result.gradient.motion = kernel.slope * (J_measurement.transpose() * a);
-  const Vector back = W.transpose() * a;
-  result.gradient.covariance =
-      0.5 * (W.transpose() * llt.solve(W) - kernel.slope * back * back.transpose());
-  return result;
+  const double log_det =
+      2.0 * llt.matrixLLT().diagonal().array().log().sum() - 2.0 * W.diagonal().array().log().sum();
+  const VectorXd back = W.transpose() * a;
+  MatrixXd slope = W.transpose() * llt.solve(W);
+  slope -= kernel.slope * back * back.transpose();
+  return {0.5 * (kernel.value + log_det), kernel.slope * (J_measurement.transpose() * a),
+          0.5 * slope};
 }
 
 template <int kSize>
-Foretold<kSize> foretold(const Eigen::Matrix<double, kSize, 1>& r,
-                         const Eigen::Matrix<double, kSize, kSize>& W,
-                         const Eigen::Matrix<double, kSize, kSize>& leverage,
-                         double weight) {
-  using Matrix = Eigen::Matrix<double, kSize, kSize>;
-  using Vector = Eigen::Matrix<double, kSize, 1>;
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(0.5 * (leverage + leverage.transpose()));
-  const Vector share = eigen.eigenvalues().cwiseMax(0.0).cwiseMin(kFullLeverage);
-  const Vector odds = share.array() / (1.0 - share.array());
-  const Matrix unwhitened =
-      W.template triangularView<Eigen::Lower>().solve(Matrix(eigen.eigenvectors()));
-  Foretold<kSize> result;
-  result.shift = unwhitened * odds.asDiagonal() * (eigen.eigenvectors().transpose() * r);
-  result.spread = unwhitened * odds.asDiagonal() * unwhitened.transpose() / weight;
-  return result;
+EdgeLikelihood<kSize> sized(const Likelihood& l) {
+  return {l.nll, {l.motion, l.covariance}};
+}
+
+Others foretold(const VectorXd& r, const MatrixXd& W, const MatrixXd& leverage, double weight) {
+  const SymmetricEigen eigen = symmetric_eigen(0.5 * (leverage + leverage.transpose()));
+  const VectorXd share = eigen.values.cwiseMax(0.0).cwiseMin(kFullLeverage);
+  const VectorXd odds = share.array() / (1.0 - share.array());
+  const MatrixXd unwhitened = W.triangularView<Eigen::Lower>().solve(eigen.vectors);
+  const MatrixXd scaled = unwhitened * odds.asDiagonal();
+  return {scaled * (eigen.vectors.transpose() * r), scaled * unwhitened.transpose() / weight};
 }
 
 Kernel robust(double square) {
@@ -97,8 +102,9 @@ Foretold<6> foretold_visual(const PoseVelocityGraph& graph,
   const auto at = linearize(e, graph.data());
   const auto loss = make_loss(graph.options());
   const double weight = kernel_at(loss.get(), at.residual.squaredNorm()).slope;
-  return foretold<6>(at.residual, e.sqrt_information, posterior.visual.at(edge),
-                     std::max(weight, kLeastWeight));
+  const Others others = foretold(at.residual, e.sqrt_information, posterior.visual.at(edge),
+                                 std::max(weight, kLeastWeight));
+  return {others.shift, others.spread};
 }
 
 Foretold<9> foretold_inertial(const PoseVelocityGraph& graph,
@@ -106,7 +112,8 @@ Foretold<9> foretold_inertial(const PoseVelocityGraph& graph,
                               std::size_t edge) {
   const InertialEdge& e = graph.inertial_edges().at(edge);
   const auto at = linearize(e, graph.data(), graph.options().gravity_magnitude);
-  return foretold<9>(at.residual, e.sqrt_information, posterior.inertial.at(edge), 1.0);
+  const Others others = foretold(at.residual, e.sqrt_information, posterior.inertial.at(edge), 1.0);
+  return {others.shift, others.spread};
 }
 
 EdgeLikelihood<6> visual_likelihood(const PoseVelocityGraph& graph,
@@ -118,8 +125,8 @@ EdgeLikelihood<6> visual_likelihood(const PoseVelocityGraph& graph,
   const VisualEdge& held = graph.visual_edges().at(edge);
   const auto at = linearize(VisualEdge{held.from, held.to, motion, *W}, graph.data());
   const auto loss = make_loss(graph.options());
-  return likelihood<6>(at.residual, at.J_measurement, *W, others,
-                       [&](double square) { return kernel_at(loss.get(), square); });
+  return sized<6>(likelihood(at.residual, at.J_measurement, *W, {others.shift, others.spread},
+                             [&](double square) { return kernel_at(loss.get(), square); }));
 }
 
 EdgeLikelihood<9> inertial_likelihood(const PoseVelocityGraph& graph,
@@ -131,7 +138,8 @@ EdgeLikelihood<9> inertial_likelihood(const PoseVelocityGraph& graph,
   const InertialEdge& held = graph.inertial_edges().at(edge);
   const auto at = linearize(InertialEdge{held.from, held.to, motion, *W}, graph.data(),
                             graph.options().gravity_magnitude);
-  return likelihood<9>(at.residual, at.J_measurement, *W, others, robust);
+  return sized<9>(
+      likelihood(at.residual, at.J_measurement, *W, {others.shift, others.spread}, robust));
 }
 
 }  // namespace imslam::pgo

@@ -1,7 +1,8 @@
 #include "pgo/whitening.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+
+#include "pgo/symmetric_eigen.hpp"
 
 namespace imslam::pgo {
 
@@ -22,9 +23,9 @@ std::optional<Eigen::MatrixXd> sqrt_information(const Eigen::MatrixXd& covarianc
   const double smallest_pivot =
       llt.info() == Eigen::Success ? Eigen::MatrixXd(llt.matrixL()).diagonal().minCoeff() : 0.0;
   if (smallest_pivot * smallest_pivot < kSmallestCorrelation) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(correlation);
-    const Eigen::VectorXd floored = eigen.eigenvalues().cwiseMax(kSmallestCorrelation);
-    correlation = eigen.eigenvectors() * floored.asDiagonal() * eigen.eigenvectors().transpose();
+    const SymmetricEigen eigen = symmetric_eigen(correlation);
+    const Eigen::VectorXd floored = eigen.values.cwiseMax(kSmallestCorrelation);
+    correlation = eigen.vectors * floored.asDiagonal() * eigen.vectors.transpose();
     llt.compute(correlation);
     if (llt.info() != Eigen::Success) return std::nullopt;
   }

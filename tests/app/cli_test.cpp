@@ -45,6 +45,24 @@ TEST(CommandLine, UnknownOptionsAreUsageErrors) {
   EXPECT_EQ(run_imslam(dir, "run --no-such-option").exit_code, 2);
 }
 
+TEST(CommandLine, AMistypedCommandOrOptionNamesTheNearest) {
+  const TempDir dir;
+  const std::pair<const char*, const char*> typed_meant[] = {
+      {"rn", "'rn' is unknown; did you mean 'run'?"},
+      {"evaluate a b", "did you mean 'eval'?"},
+      {"route solv", "did you mean 'solve'?"},
+      {"run --thread 3", "'--thread' is unknown; did you mean '--threads'?"},
+      {"run --sets=pgo.huber=1", "'--sets' is unknown; did you mean '--set'?"}};
+  for (const auto& [typed, meant] : typed_meant) {
+    const auto result = run_imslam(dir, typed);
+    EXPECT_EQ(result.exit_code, 2) << typed;
+    EXPECT_TRUE(contains(result.err, meant)) << typed << ": " << result.err;
+  }
+  const auto nothing_near = run_imslam(dir, "route fly");
+  EXPECT_FALSE(contains(nothing_near.err, "did you mean")) << nothing_near.err;
+  EXPECT_TRUE(contains(nothing_near.err, "imslam route --help")) << nothing_near.err;
+}
+
 TEST(CommandLine, AnUnknownKeyNamesTheNearest) {
   const TempDir dir;
   const auto result = run_imslam(dir, "config dump --set pgo.hubr=2");

@@ -1,0 +1,1 @@
+// A unit for the headers that all rooms read (rooms.cmake).
