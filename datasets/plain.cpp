@@ -32,7 +32,8 @@ StereoRectifier ordered_rectifier(const RawCamera& left, const RawCamera& right,
   return exchanged ? StereoRectifier(right, left) : StereoRectifier(left, right);
 }
 
-RawCamera read_raw_camera(const YamlValue& map) {
+/// The size and the intrinsics alone.
+RawCamera read_pinhole(const YamlValue& map) {
   RawCamera camera;
   const auto size = map.at("size").numbers(2);
   const auto intrinsics = map.at("intrinsics").numbers(4);
@@ -43,6 +44,11 @@ RawCamera read_raw_camera(const YamlValue& map) {
   camera.fy = intrinsics[1];
   camera.cx = intrinsics[2];
   camera.cy = intrinsics[3];
+  return camera;
+}
+
+RawCamera read_raw_camera(const YamlValue& map) {
+  RawCamera camera = read_pinhole(map);
   const YamlValue lens = map.at("distortion");
   camera.lens = lens_model(lens.text(), lens.where());
   if (camera.lens != LensModel::kNone) camera.distortion = map.at("coefficients").numbers();
@@ -52,16 +58,7 @@ RawCamera read_raw_camera(const YamlValue& map) {
 }
 
 StereoCamera read_rectified(const YamlValue& map) {
-  RawCamera camera;
-  const auto size = map.at("size").numbers(2);
-  const auto intrinsics = map.at("intrinsics").numbers(4);
-  camera.where = map.at("intrinsics").where();
-  camera.width = whole_pixels(map.at("size"), size[0]);
-  camera.height = whole_pixels(map.at("size"), size[1]);
-  camera.fx = intrinsics[0];
-  camera.fy = intrinsics[1];
-  camera.cx = intrinsics[2];
-  camera.cy = intrinsics[3];
+  const RawCamera camera = read_pinhole(map);
   validate(camera);
   StereoCamera pair;
   pair.width = camera.width;

@@ -28,15 +28,11 @@ TrainedImuNetwork load_imu_network(const std::string& file, const ImuBias& readi
       nn::read_or_shipped(file, shipped_imu_weights(), "imu_network.safetensors", kWithout);
   Random random(0);  // every number that it draws is replaced
   auto network = std::make_shared<ImuNetwork<float>>(ImuNetworkSizes(), random);
-  nn::ParameterList<float> parameters;
-  network->collect(parameters);
-  nn::load_parameters(weights, parameters);
+  nn::ModelCard card = nn::load_network(weights, *network);
   ImuBias offset = network->reading_offset();
   offset.gyro += reading_offset.gyro;
   offset.accel += reading_offset.accel;
   network->set_reading_offset(offset);
-  nn::ModelCard card = weights.card();
-  card.sha256 = weights.data_sha256();
   return {std::move(network), weights.name(), std::move(card)};
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "slam/base/error.hpp"
+#include "slam/base/parallel.hpp"
 #include "vo_net/corner_detector.hpp"
 #include "vo_net/match_inference.hpp"
 #include "vo_net/match_polish.hpp"
@@ -238,8 +239,10 @@ MatchResult LearnedMatcher::State::match(const StereoFrame& frame, const lie::SE
   std::swap(left_, left_before_);
   time_before_ns_ = std::exchange(time_ns_, frame.time_ns);
   tracks_before_ = tracks_;
-  left_.build(frame.left, kLevels, options.smoothing);
-  right_.build(frame.right, kLevels, options.smoothing);
+  parallel_for(2, [&](std::size_t i) {
+    if (i == 0) left_.build(frame.left, kLevels, options.smoothing);
+    if (i == 1) right_.build(frame.right, 1, options.smoothing);
+  });
   search_ = {Eigen::Vector2d::Zero(), shrink()};
   inference_.advance(frame.left, frame.right, search_.shrink);
 

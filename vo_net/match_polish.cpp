@@ -9,6 +9,8 @@ namespace {
 
 constexpr int kContrastRadius = 15;  // [px], about what a cell at 1/16 sees at least
 constexpr int kContrastStep = 2;     // [px]
+constexpr int kContrastLanes = kContrastRadius + 1;
+static_assert(2 * kContrastRadius == (kContrastLanes - 1) * kContrastStep);
 static_assert(kContrastRadius < ImagePyramid::kBorder);
 
 double larger_variance(const Eigen::Matrix2d& covariance) {
@@ -43,19 +45,20 @@ bool MatchPolish::shows_something(const ImagePyramid& image, const Eigen::Vector
   const ImagePyramid::Level& level = image[0];
   const int x = std::clamp(static_cast<int>(std::lround(p.x())), 0, level.width - 1);
   const int y = std::clamp(static_cast<int>(std::lround(p.y())), 0, level.height - 1);
+  using Lanes = Eigen::Array<double, kContrastLanes, 1>;
+  using Row = Eigen::Map<const Eigen::Array<float, kContrastLanes, 1>, 0,
+                         Eigen::InnerStride<kContrastStep>>;
   const auto reference = static_cast<double>(*level.at(x, y));  // sums stay small and exact
-  double sum = 0.0;
-  double squares = 0.0;
-  double count = 0.0;
+  Lanes sums = Lanes::Zero();
+  Lanes squares = Lanes::Zero();
   for (int dy = -kContrastRadius; dy <= kContrastRadius; dy += kContrastStep) {
-    for (int dx = -kContrastRadius; dx <= kContrastRadius; dx += kContrastStep) {
-      const double value = static_cast<double>(*level.at(x + dx, y + dy)) - reference;
-      sum += value;
-      squares += value * value;
-      count += 1.0;
-    }
+    const Lanes values = Row(level.at(x - kContrastRadius, y + dy)).cast<double>() - reference;
+    sums += values;
+    squares += values * values;
   }
-  const double variance = squares / count - (sum / count) * (sum / count);
+  constexpr double kCount = double(kContrastLanes) * kContrastLanes;
+  const double mean = sums.sum() / kCount;
+  const double variance = squares.sum() / kCount - mean * mean;
   return variance > options_.min_contrast * options_.min_contrast;
 }
 

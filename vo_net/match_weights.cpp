@@ -20,13 +20,9 @@ TrainedMatchNetwork load_match_network(const std::string& file, MatchUse use) {
       nn::read_or_shipped(file, shipped_match_weights(), "match_network.safetensors", kWithout);
   Random random(0);  // every number that it draws is replaced
   auto network = std::make_shared<MatchNetwork<float>>(MatchNetworkOptions(), random);
-  nn::ParameterList<float> parameters;
-  network->collect(parameters);
-  nn::load_parameters(weights, parameters);
+  nn::ModelCard card = nn::load_network(weights, *network);
   if (use == MatchUse::kInference) network->fold();
   network->freeze_norms(true);
-  nn::ModelCard card = weights.card();
-  card.sha256 = weights.data_sha256();
   return {std::move(network), weights.name(), std::move(card)};
 }
 

@@ -5,7 +5,7 @@
 
 #include "slam/nn/ops/activation.hpp"
 #include "slam/nn/ops/pointwise.hpp"
-#include "slam/nn/weights_io.hpp"
+#include "slam/nn/shipped_file.hpp"
 
 namespace imslam::vo {
 namespace {
@@ -108,11 +108,7 @@ TrainedMotionNoise load_motion_noise(const std::string& file) {
   const auto weights = nn::WeightsFile::read(file);
   Random random(0);  // every number that it draws is replaced
   auto network = std::make_shared<MotionNoise<float>>(random);
-  nn::ParameterList<float> parameters;
-  network->collect(parameters);
-  nn::load_parameters(weights, parameters);
-  nn::ModelCard card = weights.card();
-  card.sha256 = weights.data_sha256();
+  nn::ModelCard card = nn::load_network(weights, *network);
   return {std::move(network), weights.name(), std::move(card)};
 }
 

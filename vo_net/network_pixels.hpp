@@ -1,33 +1,44 @@
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 #include "slam/nn/tensor.hpp"
 #include "slam/sensors/stereo.hpp"
 
 namespace imslam::vo {
 
-/// Means of squares of shrink x shrink pixels as the network takes them [height, width]; what is
-/// left over at the right and below is cut off.
+/// Means of squares of shrink x shrink pixels [height, width]; kShrink is `shrink`, or 0 where the
+/// compiler cannot know it.
+template <int kShrink, typename S>
+void write_means(const GrayImage& image, int shrink, nn::Index height, nn::Index width, S* to) {
+  const int side = kShrink > 0 ? kShrink : shrink;
+  const S share = S(1) / static_cast<S>(side * side);
+  const std::uint8_t* row = image.pixels.data();
+  for (nn::Index i = 0; i < height; ++i, row += std::ptrdiff_t{side} * image.width) {
+    for (nn::Index j = 0; j < width; ++j) {
+      const std::uint8_t* const corner = row + j * side;
+      int sum = 0;
+      for (int y = 0; y < side; ++y) {
+        for (int x = 0; x < side; ++x) sum += corner[std::ptrdiff_t{y} * image.width + x];
+      }
+      to[i * width + j] = static_cast<S>(sum) * share;
+    }
+  }
+}
+
+/// The pixels as the network takes them [height, width]; what is left over at the right and below
+/// is cut off.
 template <typename S>
 void write_network_pixels(
     const GrayImage& image, int shrink, nn::Index height, nn::Index width, S* to) {
-  if (shrink == 1) {
-    std::transform(image.pixels.begin(), image.pixels.end(), to,
-                   [](std::uint8_t pixel) { return static_cast<S>(pixel); });
-    return;
-  }
-  const S share = S(1) / static_cast<S>(shrink * shrink);
-  for (int i = 0; i < height; ++i) {
-    for (int j = 0; j < width; ++j) {
-      int sum = 0;
-      for (int row = i * shrink; row < (i + 1) * shrink; ++row) {
-        for (int column = j * shrink; column < (j + 1) * shrink; ++column) {
-          sum += image.at(row, column);
-        }
-      }
-      *to++ = static_cast<S>(sum) * share;
-    }
+  switch (shrink) {
+    case 1:
+      return write_means<1>(image, shrink, height, width, to);
+    case 2:
+      return write_means<2>(image, shrink, height, width, to);
+    default:
+      return write_means<0>(image, shrink, height, width, to);
   }
 }
 

@@ -20,11 +20,7 @@ TrainedPoseHead load_pose_head(const std::string& file) {
       nn::read_or_shipped(file, shipped_pose_head(), "pose_head.safetensors", kWithout);
   Random random(0);  // every number that it draws is replaced
   auto network = std::make_shared<PoseHead<float>>(PoseHeadSizes(), random);
-  nn::ParameterList<float> parameters;
-  network->collect(parameters);
-  nn::load_parameters(weights, parameters);
-  nn::ModelCard card = weights.card();
-  card.sha256 = weights.data_sha256();
+  nn::ModelCard card = nn::load_network(weights, *network);
   return {std::move(network), weights.name(), std::move(card)};
 }
 

@@ -20,4 +20,16 @@ inline WeightsFile read_or_shipped(const std::string& file,
   throw InputError(without, ExitCode::kModel);
 }
 
+/// Fills all parameters of a network. Returns the file's card, with the sha256 of the tensors even
+/// where the file states none. Throws as load_parameters() does.
+template <typename Network>
+ModelCard load_network(const WeightsFile& weights, Network& network) {
+  ParameterList<float> parameters;
+  network.collect(parameters);
+  load_parameters(weights, parameters);
+  ModelCard card = weights.card();
+  card.sha256 = weights.data_sha256();
+  return card;
+}
+
 }  // namespace imslam::nn

@@ -36,7 +36,7 @@ class BatchEstimator {
   }
 
   BatchEstimate estimate() {
-    if (measurements_.imu.empty() || !estimate_with_imu()) estimate_with_vision();
+    if (measurements_.readings().empty() || !estimate_with_imu()) estimate_with_vision();
     return std::move(out_);
   }
 
@@ -197,11 +197,11 @@ class BatchEstimator {
       const bool vision_rests = motion.T_body0_body1.translation().norm() < 5.0 * sigma * dt_s;
       const auto frame = measurements_.frame_at(motion.time1_ns);
       if (!vision_rests || !frame || motions.empty()) continue;
-      const auto stillness = imu::assess_stillness(
-          imu::ImuRange(measurements_.imu)
-              .around(motion.time1_ns - kHalfWindow_ns, motion.time1_ns + kHalfWindow_ns),
-          motion.time1_ns - kHalfWindow_ns, motion.time1_ns + kHalfWindow_ns,
-          measurements_.imu_noise, options_.still);
+      const auto stillness =
+          imu::assess_stillness(measurements_.readings().around(motion.time1_ns - kHalfWindow_ns,
+                                                                motion.time1_ns + kHalfWindow_ns),
+                                motion.time1_ns - kHalfWindow_ns, motion.time1_ns + kHalfWindow_ns,
+                                measurements_.imu_noise, options_.still);
       if (stillness.still) graph.add_zero_velocity(static_cast<int>(*frame), sigma);
     }
   }

@@ -24,14 +24,14 @@ std::vector<std::string> calibration_doubts(const Measurements& measurements,
   for (std::size_t i = 0; i < std::min(kMostMotions, measurements.odometry.size()); ++i) {
     vision.push_back(in_camera(measurements.odometry[i], T_body_left));
   }
-  const auto rotations =
-      datasets::compare_rotations(vision, measurements.imu, T_body_left.rotation());
+  const imu::ImuRange readings = measurements.readings();
+  const std::vector<ImuSample> imu(readings.begin(), readings.end());
+  const auto rotations = datasets::compare_rotations(vision, imu, T_body_left.rotation());
   if (!rotations.valid) return {};
   datasets::Findings findings;
   datasets::judge_rotations(rotations, T_body_left.rotation(), findings);
-  datasets::judge_scale(
-      datasets::compare_scale(vision, measurements.imu, T_body_left, rotations.time_offset_s),
-      findings);
+  datasets::judge_scale(datasets::compare_scale(vision, imu, T_body_left, rotations.time_offset_s),
+                        findings);
   std::vector<std::string> doubts;
   for (const datasets::Finding& finding : findings.all()) {
     if (finding.severity == datasets::Severity::kInfo) continue;

@@ -97,12 +97,12 @@ InertialStart start_inertial(const Measurements& measurements,
                              const OdometryChain& chain,
                              const SlamOptions& options) {
   InertialStart start;
-  const auto rest = imu::align_to_gravity(measurements.imu, measurements.times_ns.front(),
+  const auto rest = imu::align_to_gravity(measurements.readings(), measurements.times_ns.front(),
                                           measurements.imu_noise, options.still);
   ImuBias bias = bias_without_vision(measurements, rest);
   imu::GyroAlignmentOptions alignment_options = options.gyro_alignment;
   alignment_options.estimate_time_offset = options.pgo.estimate_time_offset;
-  if (const auto alignment = imu::align_gyro(measurements.odometry, measurements.imu,
+  if (const auto alignment = imu::align_gyro(measurements.odometry, measurements.readings(),
                                              measurements.imu_noise, alignment_options)) {
     bias.gyro = alignment->gyro_bias;
     start.time_offset_s = alignment->time_offset_s;

@@ -16,6 +16,16 @@ Tangent rate_of(const RelativeMotion& motion) {
 
 }  // namespace
 
+void Measurements::lend_imu(const ImuSample& kept) {
+  if (imu.empty() && (lent_imu.empty() || lent_imu.end() == &kept)) {
+    lent_imu = {lent_imu.empty() ? &kept : lent_imu.begin(), &kept + 1};
+    return;
+  }
+  imu.insert(imu.end(), lent_imu.begin(), lent_imu.end());
+  imu.push_back(kept);
+  lent_imu = {};
+}
+
 std::optional<std::size_t> Measurements::frame_at(std::int64_t time_ns) const {
   const auto found = std::lower_bound(times_ns.begin(), times_ns.end(), time_ns);
   if (found == times_ns.end() || *found != time_ns) return std::nullopt;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "imu_net/imu_buffer.hpp"
 #include "slam/sensors/imu.hpp"
 #include "slam/sensors/motion.hpp"
 #include "slam/sensors/trajectory.hpp"
@@ -19,15 +20,23 @@ struct BiasBelief {
   double sigma = 0.0;  ///< standard deviation
 };
 
-/// What the front ends have measured: all that the graph needs. Grows by a few kB per frame.
+/// What the front ends have measured: all that the graph needs. Grows by about 0.5 kB per frame,
+/// and by the inertial readings unless somebody lends them.
 struct Measurements {
   std::vector<std::int64_t> times_ns;    ///< of all frames, strictly increasing
   std::vector<RelativeMotion> odometry;  ///< from one measured frame to the next, in order
   std::vector<RelativeMotion> skips;     ///< over several frames, any order
 
-  std::vector<ImuSample> imu;  ///< strictly increasing stamps; empty: no IMU
+  std::vector<ImuSample> imu;  ///< strictly increasing stamps; empty: no IMU, or see lend_imu()
+  imu::ImuRange lent_imu;      ///< instead of `imu`
   ImuNoise imu_noise;
   std::vector<BiasBelief> bias_beliefs;  ///< one per axis and sensor, or none
+
+  /// Appends a reading that its owner keeps where it is. As long as each lies behind the one before
+  /// in memory, none is copied.
+  void lend_imu(const ImuSample& kept);
+  /// All readings, own or lent.
+  imu::ImuRange readings() const { return lent_imu.empty() ? imu::ImuRange(imu) : lent_imu; }
 
   /// Index of the frame with this stamp; empty if there is none. Binary search.
   std::optional<std::size_t> frame_at(std::int64_t time_ns) const;

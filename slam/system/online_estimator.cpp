@@ -18,7 +18,7 @@ constexpr std::size_t kLongestStart = 200;  // [frames]
 }  // namespace
 
 void OnlineEstimator::update(const Measurements& measurements, const Estimate& disparity_offset) {
-  if (measurements.imu.empty()) return;
+  if (measurements.readings().empty()) return;
   if (window_) {
     add_newest(measurements);
   } else if (measurements.times_ns.size() >= std::max(next_try_, kFirstTry)) {
@@ -48,7 +48,7 @@ void OnlineEstimator::add_newest(const Measurements& measurements) {
   const int newest = window_->end() - 1;
   const pgo::State& last = window_->newest();
   const ImuMotion imu_motion = imu::preintegrate(
-      measurements.imu, last.time_ns, times_ns.back(), last.bias, measurements.imu_noise,
+      measurements.readings(), last.time_ns, times_ns.back(), last.bias, measurements.imu_noise,
       window_->globals().time_offset_s, options_.preintegration);
   pgo::State guess = last;
   const Eigen::Vector3d gravity =

@@ -56,13 +56,13 @@ class SlamSystem::State {
 
   void add_imu(const ImuSample& sample) {
     ++result_.counters.imu_samples;
-    auto& samples = measurements_.imu;
-    if (!samples.empty() && sample.time_ns <= samples.back().time_ns) {
+    const imu::ImuRange known = measurements_.readings();
+    if (!known.empty() && sample.time_ns <= known[known.size() - 1].time_ns) {
       ++result_.counters.imu_dropped;
       return;
     }
-    if (!inertial_front_end_) return samples.push_back(sample);
-    samples.push_back(inertial_front_end_->add(sample));
+    if (!inertial_front_end_) return measurements_.lend_imu(sample);
+    measurements_.imu.push_back(inertial_front_end_->add(sample));
     if (options_.imu_network.beliefs) measurements_.bias_beliefs = inertial_front_end_->beliefs();
   }
 
@@ -135,7 +135,7 @@ class SlamSystem::State {
     const auto anchor_ns = odometry_.anchor_time_ns();
     if (!inertial_ || !anchor_ns) return std::nullopt;
     const ImuMotion motion = imu::preintegrate(
-        measurements_.imu, *anchor_ns, time_ns, present_bias(), measurements_.imu_noise,
+        measurements_.readings(), *anchor_ns, time_ns, present_bias(), measurements_.imu_noise,
         options_.system.time_offset_s, options_.preintegration);
     if (!motion.valid) return std::nullopt;
     return vo::MotionPrior{motion.dR, std::nullopt};

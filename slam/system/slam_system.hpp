@@ -39,7 +39,9 @@ class SlamSystem {
   SlamSystem(const SlamSystem&) = delete;
   SlamSystem& operator=(const SlamSystem&) = delete;
 
-  /// Samples come in order of time; one that does not is counted and left out.
+  /// Samples come in order of time; one that does not is counted and left out. Each stays where it
+  /// is, unchanged, until finish() has returned: those that lie one behind the other in memory, as
+  /// in the vector of a sequence, are not copied.
   void add_imu(const ImuSample& sample);
   /// A reading from long before the first frame: the correction learns about the sensor from it,
   /// nothing else does. In order of time, before all others.

@@ -56,10 +56,10 @@ ExpSum<S> exponentials(const S* x, const S* mask, Index width, S* y) {
   return result;
 }
 
-}  // namespace
-
-template <typename S>
-Var softmax(Tape<S>& tape, Var x, Var mask) {
+/// Fills a new value of the shape of x row by row: write(X, mask, Y, sum), where Y holds the
+/// exponentials.
+template <typename S, typename Write>
+Var from_exponentials(Tape<S>& tape, Var x, Var mask, const Write& write) {
   expect_mask(tape, x, mask);
   const Shape shape = tape.shape(x);
   const Index width = shape.channels();
@@ -68,9 +68,20 @@ Var softmax(Tape<S>& tape, Var x, Var mask) {
     const S* const X = tape.data(x) + r * width;
     const S* const m = mask_row(tape, mask, r);
     S* const Y = tape.data(y) + r * width;
-    const ExpSum<S> total = exponentials(X, m, width, Y);
-    for (Index i = 0; i < width; ++i) Y[i] = counts(m, i) ? S(Y[i] / total.sum) : S(0);
+    write(X, m, Y, exponentials(X, m, width, Y));
   }
+  return y;
+}
+
+}  // namespace
+
+template <typename S>
+Var softmax(Tape<S>& tape, Var x, Var mask) {
+  const Index width = tape.shape(x).channels();
+  const auto write = [width](const S*, const S* m, S* Y, const ExpSum<S>& total) {
+    for (Index i = 0; i < width; ++i) Y[i] = counts(m, i) ? S(Y[i] / total.sum) : S(0);
+  };
+  const Var y = from_exponentials(tape, x, mask, write);
   return tape.record(y, {x}, [=](Tape<S>& t) {
     const MatrixMap<S> Y = t.matrix(y);
     const MatrixMap<S> dY = t.gradient_matrix(y);
@@ -85,20 +96,15 @@ Var softmax(Tape<S>& tape, Var x, Var mask) {
 template <typename S>
 Var log_softmax(Tape<S>& tape, Var x, Var mask) {
   using std::log;
-  expect_mask(tape, x, mask);
   const Shape shape = tape.shape(x);
   const Index width = shape.channels();
-  const Var y = tape.make(shape);
-  for (Index r = 0; r < shape.rows(); ++r) {
-    const S* const X = tape.data(x) + r * width;
-    const S* const m = mask_row(tape, mask, r);
-    S* const Y = tape.data(y) + r * width;
-    const ExpSum<S> total = exponentials(X, m, width, Y);
+  const auto write = [width](const S* X, const S* m, S* Y, const ExpSum<S>& total) {
     const S log_sum = log(total.sum);
     for (Index i = 0; i < width; ++i) {
       Y[i] = counts(m, i) ? S(X[i] - total.largest - log_sum) : S(kMaskedLogProbability);
     }
-  }
+  };
+  const Var y = from_exponentials(tape, x, mask, write);
   return tape.record(y, {x}, [=](Tape<S>& t) {
     using std::exp;
     for (Index r = 0; r < shape.rows(); ++r) {

@@ -2,9 +2,6 @@
 
 #include <malloc.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
 #include <string>
 
 #include "slam/nn/layers/attention.hpp"
@@ -20,49 +17,12 @@
 #include "slam/nn/ops/resize.hpp"
 #include "slam/nn/ops/sampling.hpp"
 #include "slam/nn/weights_io.hpp"
-
-namespace {
-
-std::atomic<long> allocations{0};
-std::atomic<long> held_bytes{0};
-std::atomic<long> most_held_bytes{0};
-
-void* counted(std::size_t size, std::size_t alignment) {
-  ++allocations;
-  const std::size_t rounded = (size + alignment - 1) / alignment * alignment;
-  void* const memory = std::aligned_alloc(alignment, rounded);
-  if (memory == nullptr) throw std::bad_alloc();
-  const long held = held_bytes += static_cast<long>(malloc_usable_size(memory));
-  if (held > most_held_bytes) most_held_bytes = held;
-  return memory;
-}
-
-void release(void* memory) {
-  if (memory != nullptr) held_bytes -= static_cast<long>(malloc_usable_size(memory));
-  std::free(memory);
-}
-
-}  // namespace
-
-// Every new of this executable is counted.
-void* operator new(std::size_t size) { return counted(size, alignof(std::max_align_t)); }
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  return counted(size, static_cast<std::size_t>(alignment));
-}
-void* operator new(std::size_t size, const std::nothrow_t& /*tag*/) noexcept {
-  try {
-    return counted(size, alignof(std::max_align_t));
-  } catch (const std::bad_alloc&) {
-    return nullptr;
-  }
-}
-void operator delete(void* memory) noexcept { release(memory); }
-void operator delete(void* memory, std::size_t) noexcept { release(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { release(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { release(memory); }
+#include "tests/support/counted_memory.hpp"
 
 namespace imslam::nn {
 namespace {
+
+using testing::counted_memory;
 
 /// A bit of everything that a network does per frame.
 struct Network {
@@ -103,9 +63,10 @@ long allocations_after_the_first_frame(Mode mode) {
     tape.reset();
     const Var y = network.forward(tape, tape.constant(image));
     if (mode == Mode::kTraining) tape.backward(y, tape.copy(y));
-    if (frame == 1) first = allocations;  // the second: pools of threads have settled
+    if (frame == 1)
+      first = counted_memory().allocations;  // the second: pools of threads have settled
   }
-  const long later = allocations - first;
+  const long later = counted_memory().allocations - first;
   return mode == Mode::kTraining ? later - 2 * 2
                                  : later;  // copy() allocates a tensor by its nature
 }
@@ -132,14 +93,15 @@ TEST(Allocation, InferenceGivesTheNumbersOfTraining) {
 
 /// The most memory held while a file is read or refused, the file itself included.
 long peak_of(std::string bytes) {
-  const long before = held_bytes - static_cast<long>(malloc_usable_size(bytes.data()));
-  most_held_bytes = held_bytes.load();
+  const long before =
+      counted_memory().held_bytes - static_cast<long>(malloc_usable_size(bytes.data()));
+  counted_memory().most_held_bytes = counted_memory().held_bytes.load();
   try {
     WeightsFile::parse("m", std::move(bytes));
   } catch (const InputError&) {
     // which it should be
   }
-  return most_held_bytes - before;
+  return counted_memory().most_held_bytes - before;
 }
 
 TEST(Allocation, ReadingAWeightFileTakesAtMostTwiceItsSize) {

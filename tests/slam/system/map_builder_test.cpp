@@ -34,6 +34,19 @@ TEST(MapBuilder, PutsPointsIntoTheWorldAndMergesNeighbours) {
   EXPECT_NEAR(cloud[1].x, 11.01F, 1e-4F);
 }
 
+TEST(MapBuilder, KnowsTheFrameOfEachPointHoweverTheyCome) {
+  MapBuilder map;
+  for (const std::uint32_t frame : {1U, 0U, 9U, 1U, 1U}) map.add({{1.0F, 0.0F, 0.0F}, frame, 7});
+  EXPECT_EQ(map.size(), 5U);
+  const testing::TempDir dir;
+  map.write_pcd(dir.path() / "map.pcd", two_poses(), 0.1);
+  pcl::PointCloud<pcl::PointXYZI> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile((dir.path() / "map.pcd").string(), cloud), 0);
+  ASSERT_EQ(cloud.size(), 2U);
+  EXPECT_NEAR(cloud[0].x, 1.0F, 1e-4F);
+  EXPECT_NEAR(cloud[1].x, 11.0F, 1e-4F);
+}
+
 TEST(MapBuilder, AFolderThatIsNotThereIsAnOutputError) {
   const testing::TempDir dir;
   try {

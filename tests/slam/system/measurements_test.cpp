@@ -29,6 +29,37 @@ TEST(Measurements, FindsFramesByTheirStamp) {
   EXPECT_EQ(measurements.frame_at(31), std::nullopt);
 }
 
+std::vector<ImuSample> samples_at(std::initializer_list<std::int64_t> times_ns) {
+  std::vector<ImuSample> samples;
+  for (const std::int64_t time_ns : times_ns) {
+    samples.emplace_back();
+    samples.back().time_ns = time_ns;
+  }
+  return samples;
+}
+
+TEST(Measurements, LentReadingsInOneArrayAreNotCopied) {
+  const std::vector<ImuSample> kept = samples_at({10, 20, 30});
+  Measurements measurements;
+  EXPECT_TRUE(measurements.readings().empty());
+  measurements.lend_imu(kept[1]);
+  measurements.lend_imu(kept[2]);
+  EXPECT_EQ(measurements.readings().begin(), &kept[1]);
+  EXPECT_EQ(measurements.readings().end(), kept.data() + kept.size());
+}
+
+TEST(Measurements, LentReadingsWithAHoleBetweenThemAreCopied) {
+  const std::vector<ImuSample> kept = samples_at({10, 20, 30, 40});
+  Measurements measurements;
+  for (const std::size_t i : {0U, 1U, 3U}) measurements.lend_imu(kept[i]);
+  const imu::ImuRange readings = measurements.readings();
+  ASSERT_EQ(readings.size(), 3U);
+  EXPECT_EQ(readings[0].time_ns, 10);
+  EXPECT_EQ(readings[1].time_ns, 20);
+  EXPECT_EQ(readings[2].time_ns, 40);
+  EXPECT_EQ(readings.begin(), measurements.imu.data());
+}
+
 TEST(ChainOdometry, MultipliesTheMotions) {
   Measurements measurements;
   measurements.times_ns = {0, 100, 200};
