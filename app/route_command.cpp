@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kTrainFooter =
     "Examples:\n"
-    "  imslam route train --agents 10 --cities 100             the shipped weights, from nothing\n"
+    "  imslam route train --agents 10 --cities 100             from nothing, control variate\n"
     "  imslam route train --agents 5 --cities 50 --estimator sample_baseline --set samples=10\n"
     "  imslam route train --agents 10 --cities 100 --resume    go on after a stop, bit by bit";
 
@@ -46,7 +46,7 @@ void add_train(CLI::App& parent, Action& action, const CommonOptions& common) {
   command->add_option("--agents", arguments->agents, "Agents of the network");
   command->add_option("--cities", arguments->cities, "Cities of each instance, with the depot");
   command->add_option("--estimator", arguments->estimator,
-                      "constant_baseline, sample_baseline or control_variate");
+                      "constant_baseline, sample_baseline, control_variate or alternating");
   add_training_options(*command, *arguments);
   command->callback([&action, arguments, &common] {
     action = [arguments, &common] {
