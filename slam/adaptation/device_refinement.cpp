@@ -134,9 +134,7 @@ DeviceCalibration refined_device(const system::SlamResult& result,
   const system::SystemOptions& priors = slam.system;
   if (!result.solve.converged) return refined;
   if (options.calibration) take_time_offset(result, priors, refined);
-  if (options.calibration && slam.vo.head == "geometric") {
-    take_disparity_offset(result, priors, refined);
-  }
+  if (options.calibration) take_disparity_offset(result, priors, refined);
   if (imu && imu->gyro_bias_sigma <= options.trusted_gyro_bias) {
     if (options.calibration) take_focal_length(result, priors, refined);
     if (options.camera_rotation) take_rotation(result, calibrated(stated, assumed), refined);
