@@ -34,8 +34,7 @@ std::optional<CameraRotation> camera_rotation(const system::SlamResult& result,
 ///
 /// A gyro whose scale is off by a percent, as those of phones are, looks like a focal length that
 /// is, and one whose axes are askew like a turned camera: only a gyro that is known for small
-/// biases (options.trusted_gyro_bias) may correct these two. And what the regression head gets
-/// wrong in the scale of its motions looks like a disparity offset: only matches may correct that.
+/// biases (options.trusted_gyro_bias) may correct these two.
 DeviceCalibration refined_device(const system::SlamResult& result,
                                  const DeviceCalibration& assumed,
                                  const StereoCamera& stated,

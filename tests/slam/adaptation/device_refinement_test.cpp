@@ -100,14 +100,6 @@ TEST(RefinedDevice, AddsToWhatTheRunAssumed) {
   EXPECT_EQ(refined.time_offset_s, 0.001) << "nobody says how sure the new one is";
 }
 
-TEST(RefinedDevice, TheScaleOfTheRegressionHeadIsNotTakenForADisparityOffset) {
-  system::SlamOptions slam;
-  slam.vo.head = "regression";
-  const auto refined = refined_device(with_estimates(0.001), {}, camera(), tactical(), slam, {});
-  EXPECT_EQ(refined.disparity_offset_px, 0.0);
-  EXPECT_NE(refined.focal_error, 0.0);
-}
-
 TEST(RefinedDevice, KeepsWhatTheGraphHardlyKnows) {
   const auto refined = refined_device(with_estimates(0.015), {}, camera(), tactical(), {}, {});
   EXPECT_EQ(refined.focal_error, 0.0);
