@@ -1,9 +1,3 @@
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <sys/file.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -49,30 +43,6 @@ ExitCode list(const BenchArguments& arguments, const system::Suite& suite) {
   return ExitCode::kOk;
 }
 
-/// Two calls must not write into one folder. The lock goes when the process ends, however it ends.
-class FolderLock {
- public:
-  explicit FolderLock(const fs::path& folder) {
-    std::error_code error;
-    fs::create_directories(folder, error);
-    descriptor_ = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (descriptor_ < 0) {
-      throw InputError(folder.string() + ": cannot be made; choose another place with --out",
-                       ExitCode::kOutput);
-    }
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
-      throw InputError(folder.string() + ": another bench is writing there; name another --out",
-                       ExitCode::kOutput);
-    }
-  }
-  ~FolderLock() { ::close(descriptor_); }
-  FolderLock(const FolderLock&) = delete;
-  FolderLock& operator=(const FolderLock&) = delete;
-
- private:
-  int descriptor_ = -1;
-};
-
 ExitCode bench(const BenchArguments& arguments, const CommonOptions& common) {
   const system::Suite suite = system::read_suite(find_config(arguments.suite));
   if (arguments.list) return list(arguments, suite);
@@ -86,8 +56,8 @@ ExitCode bench(const BenchArguments& arguments, const CommonOptions& common) {
   processes.jobs = arguments.jobs;
   processes.stopped = [] { return interrupted(); };
   return run_in_processes(processes, [&](ProcessGroup& group) {
-    std::unique_ptr<FolderLock> lock;
-    if (group.rank() == 0) lock = std::make_unique<FolderLock>(out);
+    std::unique_ptr<system::FolderLock> lock;  // two calls must not write into one folder
+    if (group.rank() == 0) lock = std::make_unique<system::FolderLock>(out);
     group.barrier();
     share_processors(common, processes);
     const bool show_progress = group.size() == 1 && !common.quiet;

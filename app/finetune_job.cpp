@@ -212,7 +212,6 @@ ExitCode FinetuneJob::run(ProcessGroup& group) {
   open();
   check_networks(arguments_.networks, folder_);
   std::unique_ptr<system::FolderLock> lock;
-  if (group.rank() == 0) make_folder(folder_);
   if (group.rank() == 0) lock = std::make_unique<system::FolderLock>(folder_);
   group.barrier();
   ProgressBar bar("finetune " + name_, group.rank() == 0 && !common_.quiet);

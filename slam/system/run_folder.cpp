@@ -59,7 +59,10 @@ std::string safe_name(const std::string& name) {
   return safe.empty() ? "sequence" : safe;
 }
 
-FolderLock::FolderLock(const fs::path& folder) : descriptor_(lock_folder(folder)) {}
+FolderLock::FolderLock(const fs::path& folder) {
+  create(folder);
+  descriptor_ = lock_folder(folder);
+}
 
 FolderLock::~FolderLock() {
   if (descriptor_ >= 0) ::close(descriptor_);

@@ -9,7 +9,8 @@ namespace imslam::system {
 /// Keeps other processes out of a folder while it lives, and however the process ends no longer.
 class FolderLock {
  public:
-  /// Throws InputError(kOutput) if another process holds it.
+  /// Makes `folder` if it is not there. Throws InputError(kOutput) if it cannot, or if another
+  /// process holds it.
   explicit FolderLock(const std::filesystem::path& folder);
   ~FolderLock();
   FolderLock(const FolderLock&) = delete;
