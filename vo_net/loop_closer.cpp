@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "slam/base/error.hpp"
 #include "slam/base/time.hpp"
 
 namespace imslam::vo {
@@ -24,12 +25,16 @@ double median_disparity(const std::vector<StereoPoint>& points) {
 
 }  // namespace
 
-LoopCloser::LoopCloser(const LoopOptions& options, const VoOptions& vo, const StereoCamera& camera)
+LoopCloser::LoopCloser(const LoopOptions& options,
+                       const VoOptions& vo,
+                       const StereoCamera& camera,
+                       FrameLoader load)
     : options_(options),
       vo_(vo),
       camera_(camera),
       map_(options, camera),
-      matcher_(options, vo, camera) {}
+      matcher_(options, vo, camera),
+      load_(std::move(load)) {}
 
 void LoopCloser::move(const lie::SE3d& T_body0_body1, const Matrix6& covariance) {
   T_map_body_ = T_map_body_ * T_body0_body1;
@@ -80,6 +85,14 @@ void LoopCloser::correct(const Keyframe& keyframe, const RelativeMotion& motion)
   covariance_ = rest * covariance_ * rest.transpose() + gain * noise * gain.transpose();
 }
 
+const StereoFrame& LoopCloser::with_images(const StereoFrame& frame) {
+  if (!frame.unread) return frame;
+  if (loaded_.time_ns == frame.time_ns && loaded_.complete()) return loaded_;
+  expects(load_ != nullptr, "LoopCloser: frames that come unread need a loader");
+  loaded_ = load_(frame.index);
+  return loaded_;
+}
+
 std::vector<RelativeMotion> LoopCloser::recognise(const StereoFrame& frame,
                                                   double disparity_offset) {
   std::vector<RelativeMotion> motions;
@@ -89,8 +102,10 @@ std::vector<RelativeMotion> LoopCloser::recognise(const StereoFrame& frame,
     const auto predicted = predict(*candidate.keyframe);
     if (!predicted) continue;
     if (!std::exchange(built, true)) {
-      view_.left.build(frame.left, vo_.klt.levels, vo_.klt.smoothing);
-      view_.right.build(frame.right, vo_.klt.levels, vo_.klt.smoothing);
+      const StereoFrame& images = with_images(frame);
+      if (!images.complete()) break;  // gone since it was first read
+      view_.left.build(images.left, vo_.klt.levels, vo_.klt.smoothing);
+      view_.right.build(images.right, vo_.klt.levels, vo_.klt.smoothing);
     }
     const auto motion =
         matcher_.match(*candidate.keyframe, view_, frame.time_ns, *predicted, disparity_offset);
@@ -106,7 +121,8 @@ void LoopCloser::keep(const StereoFrame& frame, const std::vector<StereoPoint>& 
   keyframe.time_ns = frame.time_ns;
   keyframe.T_map_left = T_map_body_ * camera_.T_body_left;
   keyframe.covariance = covariance_;
-  keyframe.left = frame.left;
+  keyframe.left = with_images(frame).left;
+  if (keyframe.left.empty()) return;
   const auto most = static_cast<std::size_t>(options_.max_points);
   const std::size_t count = std::min(points.size(), most);
   keyframe.points.reserve(count);

@@ -18,7 +18,11 @@ namespace imslam::vo {
 /// views to compare; the motions do not lean on it.
 class LoopCloser {
  public:
-  LoopCloser(const LoopOptions& options, const VoOptions& vo, const StereoCamera& camera);
+  /// `load` is asked for the images of frames that come unread, if there are any.
+  LoopCloser(const LoopOptions& options,
+             const VoOptions& vo,
+             const StereoCamera& camera,
+             FrameLoader load = {});
 
   /// A frame and what the odometry made of it, in order of time. Returns motions from old frames to
   /// this one, none for most frames.
@@ -34,6 +38,7 @@ class LoopCloser {
   void advance(const RelativeMotion& motion);
   void bridge(std::int64_t time_ns);
   void move(const lie::SE3d& T_body0_body1, const Matrix6& covariance);
+  const StereoFrame& with_images(const StereoFrame& frame);
   std::vector<RelativeMotion> recognise(const StereoFrame& frame, double disparity_offset);
   std::optional<PredictedMotion> predict(const Keyframe& keyframe) const;
   void correct(const Keyframe& keyframe, const RelativeMotion& motion);
@@ -45,6 +50,8 @@ class LoopCloser {
   KeyframeMap map_;
   KeyframeMatcher matcher_;
   CurrentView view_;
+  FrameLoader load_;
+  StereoFrame loaded_;  ///< the last one that came unread
   lie::SE3d T_map_body_;
   Matrix6 covariance_ = Matrix6::Zero();  ///< right tangent
   std::optional<std::int64_t> time_ns_;   ///< of T_map_body_

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace imslam {
@@ -26,8 +27,13 @@ struct StereoFrame {
   std::int64_t time_ns = 0;
   GrayImage left;
   GrayImage right;
+  bool unread =
+      false;  ///< both images are good, but were not decoded: whoever needs them loads them
 
-  bool complete() const { return !left.empty() && !right.empty(); }
+  bool complete() const { return unread || (!left.empty() && !right.empty()); }
 };
+
+/// Decodes the images of the frame at this position in the sequence.
+using FrameLoader = std::function<StereoFrame(std::size_t index)>;
 
 }  // namespace imslam

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <chrono>
 
-#include "datasets/frame_reader.hpp"
 #include "slam/base/error.hpp"
 #include "slam/base/log.hpp"
+#include "slam/system/frame_source.hpp"
 #include "slam/system/front_end.hpp"
 #include "slam/system/known_device.hpp"
 #include "slam/system/slam_system.hpp"
@@ -117,15 +117,16 @@ RunOutcome run_sequence(datasets::Sequence& sequence,
   std::string why_not;
   const DeviceCalibration device =
       request.device ? *request.device : known_device(options, sequence, why_not);
-  SlamSystem slam(options, sequence.camera(), noise, request.networks, device);
+  FrameSource frames(sequence, range.first, range.last,
+                     request.networks ? request.networks->matches.get() : nullptr);
+  SlamSystem slam(options, sequence.camera(), noise, request.networks, device, frames.loader());
   slam.observe(request.observe);
   slam.observe_window(request.observe_window);
   ImuFeed imu(inertial ? &sequence.imu()->samples : nullptr, sequence.frame_time_ns(range.first),
               slam);
-  datasets::FrameReader reader(sequence, range.first, range.last);
   RunOutcome outcome;
   std::size_t done = 0;
-  while (const auto frame = reader.next()) {
+  while (const auto frame = frames.next()) {
     imu.advance(frame->time_ns, slam);
     slam.process(*frame);
     ++done;

@@ -24,7 +24,8 @@ class SlamSystem::State {
   State(const SlamOptions& options,
         const StereoCamera& camera,
         const std::optional<ImuNoise>& imu_noise,
-        FrontEnd front_end)
+        FrontEnd front_end,
+        FrameLoader load)
       : options_(options),
         camera_(camera),
         odometry_(options_.vo,
@@ -37,7 +38,7 @@ class SlamSystem::State {
         inertial_(imu_noise.has_value()) {
     odometry_.set_disparity_offset(options_.vo.offset.prior);
     result_.models = std::move(front_end.models);
-    if (options.system.loops) loops_.emplace(options.loops, options.vo, camera);
+    if (options.system.loops) loops_.emplace(options.loops, options.vo, camera, std::move(load));
     if (!imu_noise) return;
     measurements_.imu_noise = *imu_noise;
     if (front_end.imu_network) {
@@ -238,12 +239,14 @@ SlamSystem::SlamSystem(const SlamOptions& options,
                        const StereoCamera& camera,
                        const std::optional<ImuNoise>& imu_noise,
                        const Networks* networks,
-                       const DeviceCalibration& device)
+                       const DeviceCalibration& device,
+                       FrameLoader load)
     : state_(std::make_unique<State>(
           with_device(options, device),
           calibrated(camera, device),
           imu_noise,
-          make_front_end(options, calibrated(camera, device), networks, device))) {}
+          make_front_end(options, calibrated(camera, device), networks, device),
+          std::move(load))) {}
 
 SlamSystem::~SlamSystem() = default;
 

@@ -29,12 +29,14 @@ using WindowObserver = std::function<void(const pgo::PoseVelocityGraph& window)>
 class SlamSystem {
  public:
   /// `imu_noise` empty: there is no IMU, the graph is visual only. `camera`: as stated; `device`:
-  /// what is known beyond that. `networks`: see make_front_end(), which throws.
+  /// what is known beyond that. `networks`: see make_front_end(), which throws. `load`: gets the
+  /// images of frames that come unread, where a recording stands in for the matcher.
   SlamSystem(const SlamOptions& options,
              const StereoCamera& camera,
              const std::optional<ImuNoise>& imu_noise,
              const Networks* networks = nullptr,
-             const DeviceCalibration& device = {});
+             const DeviceCalibration& device = {},
+             FrameLoader load = {});
   ~SlamSystem();
   SlamSystem(const SlamSystem&) = delete;
   SlamSystem& operator=(const SlamSystem&) = delete;

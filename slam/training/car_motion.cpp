@@ -71,7 +71,8 @@ class Driver {
       hold(random_.uniform(2.0, 6.0), speed, side * sideways / (speed * speed));
     } else {
       const double speed = std::min(kFastest, usual_speed_ * random_.uniform(0.7, 1.2));
-      hold(random_.uniform(2.0, 12.0), speed, 2e-4 * random_.normal());
+      const double time_s = random_.uniform(2.0, 12.0);
+      hold(time_s, speed, 2e-4 * random_.normal());
     }
   }
 

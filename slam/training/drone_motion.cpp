@@ -99,7 +99,8 @@ class Pilot {
     const bool turns = random_.chance(0.5);
     const double yaw_rate = turns ? flight_.turning * random_.normal() : 0.0;
     if (random_.chance(0.25)) {  // hovers
-      hold(random_.uniform(1.0, 6.0), Vector3d::Zero(), random_.chance(0.5) ? yaw_rate : 0.0);
+      const double rest_s = random_.uniform(1.0, 6.0);
+      hold(rest_s, Vector3d::Zero(), random_.chance(0.5) ? yaw_rate : 0.0);
       return;
     }
     const double time_s = random_.uniform(0.8, 4.0);
@@ -179,7 +180,7 @@ InertialMotion drone_motion(double duration_s, Random random) {
   const VectorTrack wind = smooth_noise3(random, count, flight.wind, random.uniform(1.0, 4.0));
   const VectorTrack jitter = smooth_noise3(random, count, flight.jitter_m, 0.3);
   const Vector3d ground =
-      Vector3d(0.03 * random.normal(), 0.03 * random.normal(), 1.0).normalized();
+      Vector3d{0.03 * random.normal(), 0.03 * random.normal(), 1.0}.normalized();
 
   ScalarTrack air(count);
   for (std::size_t k = 0; k < count; ++k) {

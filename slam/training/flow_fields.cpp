@@ -61,7 +61,7 @@ lie::SE3d draw_motion(Carrier carrier, double median_depth, bool still, Random& 
   Vector3d turn;
   double length = 0.0;
   if (carrier == Carrier::kVehicle) {
-    direction = Vector3d(0.04 * random.normal(), 0.03 * random.normal(), 1.0);
+    direction = {0.04 * random.normal(), 0.03 * random.normal(), 1.0};
     if (random.chance(0.05)) direction = -direction;
     length = median_depth * log_uniform(0.008, 0.15, random);
     turn = {0.003 * random.normal(), 0.02 * random.normal(), 0.003 * random.normal()};
@@ -79,13 +79,13 @@ class Holes {
  public:
   Holes(const StereoCamera& camera, Random& random) {
     for (int i = 0; i < 3; ++i) {
-      waves_.emplace_back(random.uniform(-12.0, 12.0) / camera.width,
-                          random.uniform(-12.0, 12.0) / camera.width, random.uniform(0.0, 6.28));
+      waves_.push_back({random.uniform(-12.0, 12.0) / camera.width,
+                        random.uniform(-12.0, 12.0) / camera.width, random.uniform(0.0, 6.28)});
     }
     threshold_ = random.chance(0.5) ? -9.0 : random.uniform(-1.5, 1.0);
     if (!random.chance(0.3)) return;
     const Vector2d size(camera.width, camera.height);
-    const Vector2d corner(random.uniform(-0.2, 0.8), random.uniform(-0.2, 0.8));
+    const Vector2d corner{random.uniform(-0.2, 0.8), random.uniform(-0.2, 0.8)};
     low_ = corner.cwiseProduct(size);
     high_ = low_ + random.uniform(0.2, 0.6) * size;
   }
@@ -112,14 +112,14 @@ std::vector<Vector2d> draw_places(const StereoCamera& camera, int count, Random&
   std::vector<Vector2d> places;
   if (random.chance(0.3)) {
     for (int i = 0; i < count; ++i) {
-      places.emplace_back(kBorder + width * random.uniform(), kBorder + height * random.uniform());
+      places.push_back({kBorder + width * random.uniform(), kBorder + height * random.uniform()});
     }
     return places;
   }
   const double cell = std::sqrt(width * height / count);
   for (double v = 0.0; v < height; v += cell) {
     for (double u = 0.0; u < width; u += cell) {
-      const Vector2d place(u + cell * random.uniform(), v + cell * random.uniform());
+      const Vector2d place{u + cell * random.uniform(), v + cell * random.uniform()};
       if (place.x() < width && place.y() < height) {
         places.push_back(place + Vector2d::Constant(kBorder));
       }
@@ -171,8 +171,8 @@ class FieldMaker {
   double median_depth() {
     std::vector<double> depths;
     for (int i = 0; i < kProbes; ++i) {
-      const Vector2d pixel(field_.camera.width * random_.uniform(),
-                           field_.camera.height * random_.uniform());
+      const Vector2d pixel{field_.camera.width * random_.uniform(),
+                           field_.camera.height * random_.uniform()};
       const auto hit = scene_.cast(R_world_left_ * ray_at(pixel));
       if (hit) depths.push_back(hit->distance);  // rays have z = 1: along them depth is distance
     }
@@ -209,10 +209,10 @@ class FieldMaker {
     vo::Correspondence match;
     match.left0 = place;
     const double noise = flow_noise_ * std::exp(0.4 * random_.normal());
-    match.left1 = seen.head<2>() + noise * Vector2d(random_.normal(), random_.normal());
+    match.left1 = seen.head<2>() + noise * Vector2d{random_.normal(), random_.normal()};
     if (outlier) {
       const double reach = random_.chance(0.5) ? 40.0 : 4.0;
-      match.left1 += reach * Vector2d(random_.normal(), random_.normal());
+      match.left1 += reach * Vector2d{random_.normal(), random_.normal()};
     }
     if (!(match.left1.x() > 0.0 && match.left1.x() < camera.width - 1.0 && match.left1.y() > 0.0 &&
           match.left1.y() < camera.height - 1.0)) {

@@ -34,8 +34,8 @@ FlowScene::FlowScene(Kind kind, Random& random) {
 void FlowScene::add_relief(Random& random) {
   depth_ = log_uniform(1.0, 20.0, random);
   for (int i = 0; i < 4; ++i) {
-    waves_.emplace_back(random.uniform(0.0, 0.4), random.uniform(-6.0, 6.0),
-                        random.uniform(-6.0, 6.0), random.uniform(0.0, 6.28));
+    waves_.push_back({random.uniform(0.0, 0.4), random.uniform(-6.0, 6.0),
+                      random.uniform(-6.0, 6.0), random.uniform(0.0, 6.28)});
   }
   add_objects(static_cast<int>(random.integer(0, 4)), 0.3 * depth_, depth_, random);
 }
@@ -84,7 +84,7 @@ void FlowScene::add_street(Random& random) {
 }
 
 void FlowScene::add_ground(Random& random) {
-  const Eigen::Vector3d tilt(random.uniform(-0.4, 0.4), 0.0, random.uniform(-0.4, 0.4));
+  const Eigen::Vector3d tilt{random.uniform(-0.4, 0.4), 0.0, random.uniform(-0.4, 0.4)};
   add_wall((Eigen::Vector3d::UnitY() + tilt).normalized(), log_uniform(0.7, 30.0, random));
   if (random.chance(0.5)) add_objects(static_cast<int>(random.integer(1, 8)), 1.0, 20.0, random);
 }

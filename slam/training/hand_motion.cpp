@@ -78,12 +78,16 @@ class Schedule {
     const double kind = random_.uniform();
     if (kind < 0.08) return hold(random_.uniform(3.0, 12.0), 0.0);       // put down again
     if (kind < 0.25) return hold(random_.uniform(1.0, 6.0), 1.0, 0.05);  // held as still as can be
-    if (kind < 0.55) return hold(random_.uniform(2.0, 10.0), 1.0, random_.uniform(0.3, 1.5));
+    if (kind < 0.55) {
+      const double time_s = random_.uniform(2.0, 10.0);
+      return hold(time_s, 1.0, random_.uniform(0.3, 1.5));
+    }
     if (kind < 0.7) {
       const double strength = random_.uniform(0.2, 1.0);
       return hold(random_.uniform(1.0, 4.0), 1.0, 0.5, strength * person_.shake_angle);
     }
-    hold(random_.uniform(3.0, 15.0), 1.0, random_.uniform(0.1, 0.6), 0.0, true);
+    const double time_s = random_.uniform(3.0, 15.0);
+    hold(time_s, 1.0, random_.uniform(0.1, 0.6), 0.0, true);
   }
 
   const Person& person_;
@@ -123,8 +127,8 @@ InertialMotion hand_motion(double duration_s, Random random) {
   const VectorTrack tumble = smooth_noise3(random, count, tumbling, 2.0);
   const ScalarTrack yaw = integrated(activity.turn_rate, random.uniform(0.0, 2.0 * M_PI));
 
-  const Vector3d lift(random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3),
-                      random.uniform(0.1, 0.7));
+  const Vector3d lift{random.uniform(-0.3, 0.3), random.uniform(-0.3, 0.3),
+                      random.uniform(0.1, 0.7)};
   const Vector3d grip = 0.5 * random.normal3();
   const Vector3d shake_axis = random.normal3().normalized();
   const Vector3d shake_path = 0.15 * random.normal3();  // [m/rad]

@@ -38,7 +38,8 @@ Wheels drive(std::size_t count, Random& random) {
     } else if (kind < 0.42) {
       hold(random.uniform(1.0, 3.0), -0.5 * speed, 0.3 * turn);
     } else {
-      hold(random.uniform(2.0, 10.0), speed, random.chance(0.5) ? 0.4 * turn : 0.0);
+      const double time_s = random.uniform(2.0, 10.0);
+      hold(time_s, speed, random.chance(0.5) ? 0.4 * turn : 0.0);
     }
   }
   const double reaction_s = std::clamp(2.25 * top_speed / random.uniform(0.5, 2.5), 0.4, 3.0);

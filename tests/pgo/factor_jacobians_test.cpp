@@ -117,9 +117,9 @@ ImuCase imu_case(Random& random, double angle, const Vector9& measurement_step) 
   db.head<3>() -= motion.bias.gyro;
   db.tail<3>() -= motion.bias.accel;
   const Vector3d x = motion.J_dR_bias * db + motion.J_time_offset.head<3>() * -0.04;
-  at.T_world_body1 = SE3d(at.T_world_body0.rotation() * motion.dR * SO3d::exp(x) *
+  at.T_world_body1 = SE3d{at.T_world_body0.rotation() * motion.dR * SO3d::exp(x) *
                               SO3d::exp(angle * random.normal3().normalized()),
-                          random.normal3());
+                          random.normal3()};
   at.v0_world = random.normal3();
   at.v1_world = random.normal3();
   at.gravity_direction = random.normal3().normalized();
@@ -182,8 +182,8 @@ TEST(PriorFactors, JacobiansMatchNumericDerivatives) {
   for (double angle : kAngles) {
     Random random(31);
     const SE3d prior = random_pose(random);
-    const SE3d pose(prior.rotation() * SO3d::exp(angle * random.normal3().normalized()),
-                    prior.translation() + random.normal3());
+    const SE3d pose{prior.rotation() * SO3d::exp(angle * random.normal3().normalized()),
+                    prior.translation() + random.normal3()};
     const auto W = sqrt_information(testing::random_covariance<6>(random, 0.3));
     expect_jacobians_match(PosePriorFactor(prior, *W), {pose_block(pose)});
     expect_jacobians_match(AnchorFactor(prior, 0.5, 0.2), {pose_block(pose)});

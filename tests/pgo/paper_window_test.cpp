@@ -21,8 +21,8 @@ TEST(PaperFactors, JacobiansMatchNumericDerivatives) {
     Random random(2);
     const lie::SE3d T0 = random_pose(random);
     const lie::SO3d dR = random_pose(random).rotation();
-    const lie::SE3d T1(T0.rotation() * dR * lie::SO3d::exp(angle * random.normal3().normalized()),
-                       random.normal3());
+    const lie::SE3d T1{T0.rotation() * dR * lie::SO3d::exp(angle * random.normal3().normalized()),
+                       random.normal3()};
     const testing::Block v0 = vector_block(random.normal3());
     const testing::Block v1 = vector_block(random.normal3());
     expect_jacobians_match(RotationStepFactor(dR, 2.0), {pose_block(T0), pose_block(T1)});

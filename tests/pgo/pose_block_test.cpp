@@ -19,7 +19,7 @@ std::vector<lie::SE3d> poses() {
   Random random(3);
   std::vector<lie::SE3d> result = {lie::SE3d()};
   for (double angle : {1e-9, 1e-3, 0.7, 3.1, M_PI}) {
-    result.emplace_back(lie::SO3d::exp(angle * random.normal3().normalized()), random.normal3());
+    result.push_back({lie::SO3d::exp(angle * random.normal3().normalized()), random.normal3()});
   }
   return result;
 }

@@ -44,7 +44,7 @@ TEST(ResidualPosterior, SlopesByCovariancesMatchCentralDifferences) {
   const PoseVelocityGraph graph = contradictory_graph(6, true);
   const MeasurementGradient slope = slope_of_term(graph);
   Random random(8);
-  for (const std::size_t e : {std::size_t{1}, std::size_t{3}}) {
+  for (const std::size_t e : {1U, 3U}) {
     const Eigen::Matrix<double, 6, 6> A = random_matrix<6, 6>(random);
     const Eigen::Matrix<double, 6, 6> direction = 1e-4 * (A + A.transpose());
     const double numeric = differences(graph, [&](double step, GraphData& data) {

@@ -67,7 +67,7 @@ TEST(PoseConsensus, PointsWithNothingInCommonGiveNoConfidentMotion) {
   Random random(5);
   Correspondences c = crowd(200, 0, 5);
   for (Correspondence& one : c) {
-    one.left1 += 60.0 * Eigen::Vector2d(random.normal(), random.normal());
+    one.left1 += 60.0 * Eigen::Vector2d{random.normal(), random.normal()};
     one.disparity1 = random.uniform(1.0, 60.0);
   }
   const PoseLayerResult result = solve_pose(c, test_camera(), {});

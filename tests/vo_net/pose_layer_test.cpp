@@ -224,8 +224,8 @@ TEST(PoseLayer, NeverReturnsNonFiniteNumbersOnRandomInput) {
     Correspondences c(static_cast<std::size_t>(random.integer(0, 40)));
     const double spread = std::pow(10.0, random.uniform(-3.0, 6.0));
     for (Correspondence& one : c) {
-      one.left0 = spread * Eigen::Vector2d(random.normal(), random.normal());
-      one.left1 = spread * Eigen::Vector2d(random.normal(), random.normal());
+      one.left0 = spread * Eigen::Vector2d{random.normal(), random.normal()};
+      one.left1 = spread * Eigen::Vector2d{random.normal(), random.normal()};
       one.disparity0 = spread * random.normal();
       one.disparity1 = spread * random.normal();
       one.weight = random.uniform();

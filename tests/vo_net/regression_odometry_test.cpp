@@ -36,7 +36,7 @@ Correspondences room_points(const StereoCamera& camera,
       c.disparity0 = camera.fx * camera.baseline_m * std::max(wall, floor);
       const Eigen::Vector3d seen = camera.project(
           T_left1_left0 * camera.back_project({c.left0.x(), c.left0.y(), c.disparity0}));
-      c.left1 = seen.head<2>() + noise * Eigen::Vector2d(random.normal(), random.normal());
+      c.left1 = seen.head<2>() + noise * Eigen::Vector2d{random.normal(), random.normal()};
       c.disparity0 += noise * random.normal();
       c.disparity1 = seen.z() + noise * random.normal();
       c.flow_information = Eigen::Matrix2d::Identity() / 0.01;
@@ -91,8 +91,8 @@ MedianErrors median_errors(const DrawMotion& draw_motion) {
 
 TEST(RegressionHead, FindsForwardMotionThroughARoom) {
   const MedianErrors errors = median_errors([](Random& random) {
-    return lie::SE3d(lie::SO3d::exp(0.005 * random.normal3()),
-                     Eigen::Vector3d(0.01 * random.normal(), 0.01 * random.normal(), 0.25));
+    return lie::SE3d{lie::SO3d::exp(0.005 * random.normal3()),
+                     Eigen::Vector3d{0.01 * random.normal(), 0.01 * random.normal(), 0.25}};
   });
   EXPECT_LT(errors.rotation, 0.006);
   EXPECT_LT(errors.translation, 0.2);
@@ -101,8 +101,8 @@ TEST(RegressionHead, FindsForwardMotionThroughARoom) {
 // Before a wall a turn and a sidestep look nearly alike: the network tells them apart only in part.
 TEST(RegressionHead, ForAnyMotionItIsBetterThanNothing) {
   const MedianErrors errors = median_errors([](Random& random) {
-    return lie::SE3d(lie::SO3d::exp(0.02 * random.normal3().normalized()),
-                     0.1 * random.normal3().normalized());
+    return lie::SE3d{lie::SO3d::exp(0.02 * random.normal3().normalized()),
+                     0.1 * random.normal3().normalized()};
   });
   EXPECT_LT(errors.rotation, 0.7 * 0.02);
   EXPECT_LT(errors.translation, 0.7);

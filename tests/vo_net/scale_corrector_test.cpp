@@ -40,7 +40,7 @@ void spoil(Scene& scene) {
   for (std::size_t k = 0; k < scene.points.size(); ++k) {
     if (k % 10 >= 3) continue;
     scene.points[k].left1 +=
-        Eigen::Vector2d(scene.random.uniform(-60.0, 60.0), scene.random.uniform(-60.0, 60.0));
+        Eigen::Vector2d{scene.random.uniform(-60.0, 60.0), scene.random.uniform(-60.0, 60.0)};
   }
 }
 

@@ -46,15 +46,15 @@ inline vo::Correspondences synthetic_correspondences(const StereoCamera& camera,
   const double sigma_disparity = noise.disparity > 0.0 ? noise.disparity : 0.1;
   vo::Correspondences correspondences;
   while (static_cast<int>(correspondences.size()) < count) {
-    const Eigen::Vector2d left0(random.uniform(20.0, camera.width - 20.0),
-                                random.uniform(20.0, camera.height - 20.0));
+    const Eigen::Vector2d left0{random.uniform(20.0, camera.width - 20.0),
+                                random.uniform(20.0, camera.height - 20.0)};
     const double depth = random.uniform(1.0, 12.0);
     const double disparity0 = camera.fx * camera.baseline_m / depth;
     const Eigen::Vector3d uvd =
         camera.project(T_left1_left0 * camera.back_project({left0.x(), left0.y(), disparity0}));
     vo::Correspondence c;
     c.left0 = left0;
-    c.left1 = uvd.head<2>() + noise.flow * Eigen::Vector2d(random.normal(), random.normal());
+    c.left1 = uvd.head<2>() + noise.flow * Eigen::Vector2d{random.normal(), random.normal()};
     c.disparity0 = disparity0 + noise.disparity * random.normal() + noise.offset;
     c.disparity1 = uvd.z() + noise.disparity * random.normal() + noise.offset;
     c.flow_information = Eigen::Matrix2d::Identity() / (sigma_flow * sigma_flow);

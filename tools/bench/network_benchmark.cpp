@@ -63,8 +63,8 @@ void run(const Request& request) {
   const GrayImage right = random_image(request, random);
   std::vector<Eigen::Vector2d> points;
   for (int i = 0; i < request.points; ++i) {
-    points.emplace_back(random.uniform(0.0, request.width - 1.0),
-                        random.uniform(0.0, request.height - 1.0));
+    points.push_back(
+        {random.uniform(0.0, request.width - 1.0), random.uniform(0.0, request.height - 1.0)});
   }
   fmt::print("{} x {}, {} points, {}, {} threads\n{:<24}{:>10}{:>10}\n", request.width,
              request.height, request.points, nn::name(nn::selected_instruction_set()),

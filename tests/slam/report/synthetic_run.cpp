@@ -226,7 +226,7 @@ void write_series(const std::filesystem::path& folder,
 Eigen::Vector3d surface_point(Random& random) {
   const Eigen::Vector3d half(4.2, 3.1, 1.5);
   const double kind = random.uniform();
-  Eigen::Vector3d p(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+  Eigen::Vector3d p{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
   if (kind < 0.22) {
     p.z() = -1;
   } else if (kind < 0.75) {

@@ -27,7 +27,7 @@ double slope_by_edge_scale(SlamLowerProblem& task, double s, Eigen::Index first,
 /// The same for all bias priors.
 double slope_by_prior_scale(SlamLowerProblem& task, double s) {
   Vector direction = Vector::Zero(task.coordinates().size());
-  for (const std::size_t k : {0, 1}) {
+  for (const std::size_t k : {0U, 1U}) {
     direction.segment<6>(task.coordinates().bias_prior(k) + 6).setOnes();
   }
   task.restart();

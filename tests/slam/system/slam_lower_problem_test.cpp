@@ -39,7 +39,7 @@ std::map<std::string, std::vector<Eigen::Index>> probes(const SlamLowerProblem& 
   if (task.graph().inertial_edges().empty()) return entries;
   add("inertial motion", z.inertial(4), 9);
   add("inertial covariance", z.inertial(4) + 9, 45);
-  for (const std::size_t prior : {0, 1}) {
+  for (const std::size_t prior : {0U, 1U}) {
     add("bias prior", z.bias_prior(prior), 6);
     add("bias prior's sigma", z.bias_prior(prior) + 6, 6);
   }
@@ -211,8 +211,8 @@ TEST(SlamUpperCost, SomeEdgesOnlyAndATermOfTheCallersGoThroughTheSolve) {
   SlamUpperOptions upper;
   upper.only = pgo::EdgeSelection{std::vector<char>(graph.visual_edges().size()),
                                   std::vector<char>(graph.inertial_edges().size())};
-  for (const std::size_t e : {2, 3, 5, 8}) upper.only->visual[e] = 1;
-  for (const std::size_t e : {4, 6}) upper.only->inertial[e] = 1;
+  for (const std::size_t e : {2U, 3U, 5U, 8U}) upper.only->visual[e] = 1;
+  for (const std::size_t e : {4U, 6U}) upper.only->inertial[e] = 1;
   // Pulls the last position to the origin, and the first number of z to 0.
   Eigen::Index at = 0;
   upper.extra = [&at](const pgo::GraphData& solved, const Vector& z) {

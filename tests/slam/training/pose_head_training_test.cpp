@@ -25,7 +25,7 @@ PoseHeadTrainingOptions small_training(int steps) {
 }
 
 TEST(PoseHeadTraining, LearnsTheMotionOfUnseenFields) {
-  PoseHeadTrainingOptions options = small_training(60);
+  PoseHeadTrainingOptions options = small_training(120);
   options.batch = 4;
   options.fields = 8;
   options.rate = 2e-3;
