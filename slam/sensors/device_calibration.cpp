@@ -37,6 +37,7 @@ bool is_possible(const DeviceCalibration& c) {
 
 void DeviceCalibration::describe(Config& config) {
   config.field("device", device, "fingerprint of the device it belongs to; empty: any");
+  config.field("head", head, "vo.head that the camera's numbers were learned with; empty: any");
   config.field("focal_error", focal_error, "[1] true over stated focal length, less 1");
   config.field("disparity_offset_px", disparity_offset_px, "[px] measured less true disparity");
   config.field("time_offset_s", time_offset_s, "[s] stamp of the IMU less that of the camera");

@@ -16,6 +16,7 @@ class Config;
 /// recordings, of no use to any other device. Zero: it is as stated.
 struct DeviceCalibration {
   std::string device;        ///< device_fingerprint() that it belongs to; empty: any
+  std::string head;          ///< what made motions of matches when it was learned; empty: any
   double focal_error = 0.0;  ///< [1] fx, fy are (1 + focal_error) of the stated; fx baseline holds
   double disparity_offset_px = 0.0;  ///< measured = true + offset
   double time_offset_s = 0.0;        ///< stamp of the IMU = stamp of the camera + offset

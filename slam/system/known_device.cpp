@@ -18,6 +18,15 @@ std::string fingerprint_of(const datasets::Sequence& sequence) {
   return device_fingerprint(sequence.camera(), noise);
 }
 
+/// All but what is known of the camera.
+DeviceCalibration without_camera(DeviceCalibration device) {
+  const DeviceCalibration nothing;
+  device.focal_error = nothing.focal_error;
+  device.disparity_offset_px = nothing.disparity_offset_px;
+  device.camera_rotation = nothing.camera_rotation;
+  return device;
+}
+
 }  // namespace
 
 DeviceCalibration known_device(const SlamOptions& options,
@@ -33,16 +42,24 @@ DeviceCalibration known_device(const SlamOptions& options,
     return {};
   }
   const DeviceCalibration device = read_device(file);
-  if (device.device.empty() || device.device == present) return device;
-  why_not = fmt::format("{} is of another device ({}, this one is {}): its calibration is not used",
-                        options.system.device, device.device, present);
-  return {};
+  if (!device.device.empty() && device.device != present) {
+    why_not =
+        fmt::format("{} is of another device ({}, this one is {}): its calibration is not used",
+                    options.system.device, device.device, present);
+    return {};
+  }
+  if (device.head.empty() || device.head == options.vo.head) return device;
+  why_not =
+      fmt::format("{}: the camera's numbers were learned with vo.head={} and are not used with {}",
+                  file.string(), device.head, options.vo.head);
+  return without_camera(device);
 }
 
 DeviceCalibration present_device(const SlamOptions& options, const datasets::Sequence& sequence) {
   std::string why_not;
   DeviceCalibration device = known_device(options, sequence, why_not);
   device.device = fingerprint_of(sequence);
+  device.head = options.vo.head;
   return device;
 }
 

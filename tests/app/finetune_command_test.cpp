@@ -81,6 +81,16 @@ TEST(FinetuneCommand, WhatItFoundOfTheDeviceIsUsedForThatDeviceOnly) {
   std::ofstream(devices / (fingerprint + ".yaml")) << text;
   const auto known = run_imslam(dir, with_folder);
   EXPECT_EQ((known.out + known.err).find("knows nothing"), std::string::npos) << known.err;
+  EXPECT_EQ((known.out + known.err).find("vo.head"), std::string::npos) << known.err;
+  std::string of_regression = text;
+  const auto head = of_regression.find("geometric");
+  ASSERT_NE(head, std::string::npos) << text;
+  of_regression.replace(head, 9, "regression");
+  std::ofstream(devices / (fingerprint + ".yaml")) << of_regression;
+  const auto mixed = run_imslam(dir, with_folder);
+  ASSERT_EQ(mixed.exit_code, 0) << mixed.err;
+  EXPECT_NE((mixed.out + mixed.err).find("learned with vo.head=regression"), std::string::npos)
+      << mixed.err;
   const auto place = text.find(fingerprint);
   ASSERT_NE(place, std::string::npos) << text;
   text.replace(place, 4, "beef");

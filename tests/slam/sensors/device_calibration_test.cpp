@@ -75,6 +75,7 @@ TEST(DeviceFile, GivesBackWhatWasWritten) {
   const auto file = folder.path() / "device.yaml";
   DeviceCalibration device;
   device.device = "0123456789abcdef";
+  device.head = "regression";
   device.focal_error = 1.0 / 300.0;
   device.disparity_offset_px = -0.15;
   device.time_offset_s = 0.0051;
@@ -84,6 +85,7 @@ TEST(DeviceFile, GivesBackWhatWasWritten) {
   write_device(file, device);
   const DeviceCalibration read = read_device(file);
   EXPECT_EQ(read.device, device.device);
+  EXPECT_EQ(read.head, device.head);
   EXPECT_EQ(read.focal_error, device.focal_error);
   EXPECT_EQ(read.disparity_offset_px, device.disparity_offset_px);
   EXPECT_EQ(read.time_offset_s, device.time_offset_s);
