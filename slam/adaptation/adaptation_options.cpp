@@ -33,8 +33,9 @@ void AdaptationOptions::describe(Config& config) {
   config.field("imu", imu, "the IMU network learns, where there is one");
   config.field("imu_layers", imu_layers, {"all", "last", "offset"},
                "what learns of it: all, its last layer and the sensor's own offset, or that alone");
-  config.field("calibration", calibration,
-               "what the graph says of focal length, disparity offset and clock is kept");
+  config.field("calibration", calibration, {"auto", "on", "off"},
+               "what the graph says of the device (focal length, disparity offset, clock) is kept; "
+               "auto: with the geometric head");
   config.field("camera_rotation", camera_rotation,
                "and of how the camera is turned against the IMU");
   config.field("trusted_gyro_bias", trusted_gyro_bias,

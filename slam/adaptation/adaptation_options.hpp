@@ -28,8 +28,10 @@ struct AdaptationOptions : learner::TrainingOptions {
   /// Of the IMU network: all, last (its last layer and the sensor's own offset), offset (that
   /// alone).
   std::string imu_layers = "all";
-  bool calibration = true;      ///< of the device: focal length, disparity offset, clock
-  bool camera_rotation = true;  ///< likewise, of the camera against the IMU
+  /// What the graph finds of the device (focal length, disparity offset, clock, rotation) is kept:
+  /// on, off, or auto: with the geometric head. A head that learns beside it makes both drift.
+  std::string calibration = "auto";
+  bool camera_rotation = true;  ///< of the camera against the IMU, where calibration is kept
   /// [rad/s] ImuNoise::gyro_bias_sigma up to which a gyro may correct focal length and rotation:
   /// units that compensate themselves. Larger for a gyro whose scale and axes were calibrated.
   double trusted_gyro_bias = 5e-3;

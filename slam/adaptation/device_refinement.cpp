@@ -57,6 +57,11 @@ class TurnedCamera {
   system::SlamLowerProblem problem_;
 };
 
+bool keeps_calibration(const AdaptationOptions& options, const system::SlamOptions& slam) {
+  if (options.calibration == "auto") return slam.vo.head == "geometric";
+  return options.calibration == "on";
+}
+
 bool is_known(const std::optional<double>& sigma, double prior) {
   return sigma && *sigma < kKnown * prior;
 }
@@ -132,11 +137,11 @@ DeviceCalibration refined_device(const system::SlamResult& result,
                                  const AdaptationOptions& options) {
   DeviceCalibration refined = assumed;
   const system::SystemOptions& priors = slam.system;
-  if (!result.solve.converged) return refined;
-  if (options.calibration) take_time_offset(result, priors, refined);
-  if (options.calibration) take_disparity_offset(result, priors, refined);
+  if (!result.solve.converged || !keeps_calibration(options, slam)) return refined;
+  take_time_offset(result, priors, refined);
+  take_disparity_offset(result, priors, refined);
   if (imu && imu->gyro_bias_sigma <= options.trusted_gyro_bias) {
-    if (options.calibration) take_focal_length(result, priors, refined);
+    take_focal_length(result, priors, refined);
     if (options.camera_rotation) take_rotation(result, calibrated(stated, assumed), refined);
   }
   return within_bounds(refined);

@@ -29,8 +29,10 @@ std::optional<CameraRotation> camera_rotation(const system::SlamResult& result,
                                               double prior_sigma);
 
 /// The device as a run's solution has it. What the graph did not estimate, or hardly better than
-/// was known before, stays as the run assumed it, as does what `options` hold. The numbers are kept
-/// within DeviceBounds; `assumed` is what the run began with, `stated` the camera without it.
+/// was known before, stays as the run assumed it, as does what `options` hold: with a regression
+/// head that learns, the offset of disparities makes up for its errors and runs away with it. The
+/// numbers are kept within DeviceBounds; `assumed` is what the run began with, `stated` the camera
+/// without it.
 ///
 /// A gyro whose scale is off by a percent, as those of phones are, looks like a focal length that
 /// is, and one whose axes are askew like a turned camera: only a gyro that is known for small

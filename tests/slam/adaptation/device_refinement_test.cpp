@@ -107,8 +107,7 @@ TEST(RefinedDevice, KeepsWhatTheGraphHardlyKnows) {
 
 TEST(RefinedDevice, KeepsWhatIsNotToBeRefined) {
   AdaptationOptions options;
-  options.calibration = false;
-  options.camera_rotation = false;
+  options.calibration = "off";
   DeviceCalibration assumed;
   assumed.disparity_offset_px = 0.5;
   const auto refined =
@@ -116,6 +115,20 @@ TEST(RefinedDevice, KeepsWhatIsNotToBeRefined) {
   EXPECT_EQ(refined.disparity_offset_px, 0.5);
   EXPECT_EQ(refined.focal_error, 0.0);
   EXPECT_EQ(refined.camera_rotation, Eigen::Vector3d::Zero());
+}
+
+TEST(RefinedDevice, ALearningHeadDoesNotMoveTheCalibrationUnlessAskedTo) {
+  system::SlamOptions slam;
+  slam.vo.head = "regression";
+  AdaptationOptions options;
+  const auto refine = [&] {
+    return refined_device(with_estimates(0.001), {}, camera(), tactical(), slam, options);
+  };
+  EXPECT_EQ(refine().disparity_offset_px, 0.0);
+  EXPECT_EQ(refine().focal_error, 0.0);
+  EXPECT_EQ(refine().camera_rotation, Eigen::Vector3d::Zero());
+  options.calibration = "on";
+  EXPECT_EQ(refine().disparity_offset_px, 0.15);
 }
 
 }  // namespace
