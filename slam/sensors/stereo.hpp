@@ -27,8 +27,8 @@ struct StereoFrame {
   std::int64_t time_ns = 0;
   GrayImage left;
   GrayImage right;
-  bool unread =
-      false;  ///< both images are good, but were not decoded: whoever needs them loads them
+  /// Both images are good, but were not decoded: whoever needs them asks a FrameLoader.
+  bool unread = false;
 
   bool complete() const { return unread || (!left.empty() && !right.empty()); }
 };
