@@ -13,9 +13,6 @@ namespace imslam::routing {
 namespace {
 
 constexpr double kLogitRange = 10.0;
-// Weights of one form make no sense in the other: not even their names fit.
-constexpr const char* kCentred = "city_policy_centred.";
-constexpr const char* kNotCentred = "city_policy.";
 
 template <typename S>
 nn::Var scaled(nn::Tape<S>& tape, nn::Var x, double factor) {
@@ -70,11 +67,9 @@ nn::Var AllocationNetwork<S>::forward(nn::Tape<S>& tape, nn::Var features) const
   }
   const nn::Var queries = agent_queries(tape, sum, graph);
   const nn::Index n = tape.shape(features)[0];
-  nn::Var cities = city_policy.forward(tape, nn::slice(tape, sum, 0, 1, n - 1));
-  if (sizes.centred) {
-    cities = nn::subtract(tape, cities, nn::mean(tape, cities, {0}, nn::Axes::kKeep));
-  }
-  const nn::Var meeting = nn::matmul(tape, cities, nn::transpose(tape, queries));
+  const nn::Var cities = city_policy.forward(tape, nn::slice(tape, sum, 0, 1, n - 1));
+  const nn::Var apart = nn::subtract(tape, cities, nn::mean(tape, cities, {0}, nn::Axes::kKeep));
+  const nn::Var meeting = nn::matmul(tape, apart, nn::transpose(tape, queries));
   const nn::Var bent = nn::tanh(tape, scaled(tape, meeting, 1.0 / std::sqrt(sizes.policy)));
   return scaled(tape, bent, kLogitRange);
 }
@@ -116,7 +111,7 @@ void AllocationNetwork<S>::collect(nn::ParameterList<S>& list) {
   value.collect(list, "value.");
   list.add("agent_policy", agent_policy);
   list.add("agent_bias", agent_bias);
-  city_policy.collect(list, sizes.centred ? kCentred : kNotCentred);
+  city_policy.collect(list, "city_policy_centred.");
 }
 
 template struct AllocationNetwork<float>;

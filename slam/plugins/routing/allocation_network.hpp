@@ -9,12 +9,11 @@ namespace imslam::routing {
 
 /// Sizes of the network. Those of the shipped weights are the defaults.
 struct AllocationSizes {
-  int width = 64;       ///< of the cities' features
-  int key = 16;         ///< per agent
-  int value = 16;       ///< per agent
-  int policy = 64;      ///< in which agents and cities meet
-  int layers = 3;       ///< of the graph network
-  bool centred = true;  ///< what all cities have in common does not reach the logits
+  int width = 64;   ///< of the cities' features
+  int key = 16;     ///< per agent
+  int value = 16;   ///< per agent
+  int policy = 64;  ///< in which agents and cities meet
+  int layers = 3;   ///< of the graph network
 };
 
 /// Which agent should visit which city.
@@ -32,7 +31,6 @@ struct AllocationSizes {
 ///
 /// Without the mean taken off, what all cities have in common (h is positive) outweighs what tells
 /// them apart: the agents' logits drift into the flat ends of the tanh, all cities alike, and stay.
-/// Networks that were trained in spite of that are read as they are (AllocationSizes::centred).
 ///
 /// The graph is complete, so neighbours are all cities, as many as there are. norm is that of each
 /// city by itself (Ba et al. 2016), not of the batch: one instance alone, or a large one, is seen

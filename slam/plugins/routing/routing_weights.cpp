@@ -14,10 +14,8 @@ std::shared_ptr<const AllocationNetwork<float>> load_network(int agents, const s
   const nn::WeightsFile weights = nn::read_or_shipped(
       file, shipped_weights(agents), fmt::format("allocation_network_{}.safetensors", agents),
       without.c_str());
-  AllocationSizes sizes;
-  sizes.centred = weights.find("city_policy.weight") == nullptr;
   Random random(0);  // every number that it draws is replaced
-  auto network = std::make_shared<AllocationNetwork<float>>(agents, sizes, random);
+  auto network = std::make_shared<AllocationNetwork<float>>(agents, AllocationSizes(), random);
   nn::ParameterList<float> parameters;
   network->collect(parameters);
   nn::load_parameters(weights, parameters);

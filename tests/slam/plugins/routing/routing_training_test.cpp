@@ -112,7 +112,6 @@ TEST(RoutingTraining, ItsWeightsCanBeLoadedForAsManyAgentsOnly) {
   trained(small("control_variate"), dir.path());
   const std::string file = (dir.path() / "allocation_network_3.safetensors").string();
   EXPECT_EQ(load_network(3, file)->agents, 3);
-  EXPECT_TRUE(load_network(3, file)->sizes.centred);
   EXPECT_THROW(load_network(4, file), InputError);
   EXPECT_THROW(load_network(77, ""), InputError);  // none is shipped
 }
