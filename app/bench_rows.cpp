@@ -135,15 +135,12 @@ std::shared_ptr<system::SuiteRuns> make_runs(const BenchArguments& arguments,
                                              const fs::path& out,
                                              bool show_progress) {
   Settings settings;
-  adaptation::AdaptationOptions adaptation;
-  settings.config().section("finetune", adaptation);
   apply_options(arguments, suite, variant.imu, variant.networks != "zero-shot", settings);
-  adaptation.validate();
   system::SuiteRunSetup setup;
   setup.networks = variant.networks;
-  if (variant.networks == kOnline) setup.prepare = learn_online(adaptation);
+  if (variant.networks == kOnline) setup.prepare = learn_online(settings.adaptation());
   if (variant.networks == kAdapted) {
-    setup.prepare = learn_before(adaptation, out / "finetune", arguments.force);
+    setup.prepare = learn_before(settings.adaptation(), out / "finetune", arguments.force);
   }
   setup.options = settings.slam();
   setup.provenance.version = version_text();

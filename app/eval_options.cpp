@@ -36,6 +36,7 @@ void add_figure_options(CLI::App& eval, EvalRequest& request) {
              "How the estimate is laid over the reference (none)")
       ->group(group);
   eval.add_option("--align-first", figure.alignment.first, "Fit to the first N pairs only")
+      ->check(CLI::Range(1, 1000000000))
       ->group(group);
   add_choice(eval, "--relation", figure.relation, evaluation::relation_names(),
              "What is measured (translation_part)")

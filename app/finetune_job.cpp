@@ -61,16 +61,14 @@ void check_networks(const std::string& networks, const fs::path& out) {
   }
 }
 
-void apply_flags(const FinetuneArguments& arguments,
-                 Settings& settings,
-                 adaptation::AdaptationOptions& options) {
+void apply_flags(const FinetuneArguments& arguments, Settings& settings) {
+  adaptation::AdaptationOptions& options = settings.adaptation();
   Config& config = settings.config();
   config.set("system.front_end=" + arguments.front_end, "--front-end");
   config.set("system.imu=" + arguments.imu, "--imu");
   if (arguments.epochs) options.epochs = *arguments.epochs;
   if (arguments.force) options.guard = false;
   settings.validate();
-  options.validate();
 }
 
 void make_folder(const fs::path& folder) {
@@ -113,9 +111,7 @@ std::vector<Source> sources_of(const system::Suite& suite, const fs::path& root)
 class FinetuneJob {
  public:
   FinetuneJob(const FinetuneArguments& arguments, const CommonOptions& common)
-      : arguments_(arguments), common_(common) {
-    settings_.config().section("finetune", options_);
-  }
+      : arguments_(arguments), common_(common), options_(settings_.adaptation()) {}
 
   void print_keys() {
     Config only;
@@ -136,7 +132,7 @@ class FinetuneJob {
   const FinetuneArguments& arguments_;
   const CommonOptions& common_;
   Settings settings_;
-  adaptation::AdaptationOptions options_;
+  adaptation::AdaptationOptions& options_;  ///< those of the settings
   system::SlamOptions slam_;
   std::string name_;  ///< of the sequence or suite
   fs::path folder_;
@@ -158,7 +154,7 @@ void FinetuneJob::prepare() {
   if (suite_given) suite = system::read_suite(find_config(arguments_.dataset));
   if (!suite.config.empty()) settings_.config().load_file(find_config(suite.config));
   arguments_.layers.apply(settings_);
-  apply_flags(arguments_, settings_, options_);
+  apply_flags(arguments_, settings_);
   slam_ = settings_.slam();
   if (!arguments_.networks.empty()) adaptation::use_networks(arguments_.networks, slam_);
   sources_ = {{"", arguments_.dataset}};

@@ -22,6 +22,10 @@ void parse_frames(const std::string& text, system::RunRequest& request) {
   if (parts.size() != 2) number("?");
   request.first_frame = number(parts[0]);
   request.last_frame = number(parts[1]);
+  if (request.last_frame == 0 && !trim(parts[1]).empty()) {
+    throw InputError(fmt::format("--frames {}: no frame lies before frame 0", text),
+                     ExitCode::kUsage);
+  }
 }
 
 }  // namespace imslam::app

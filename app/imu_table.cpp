@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "slam/base/text.hpp"
 #include "slam/base/time.hpp"
 
 namespace imslam::app {
@@ -48,14 +49,6 @@ std::vector<std::pair<std::string, double>> figures(const OpenScore& s) {
           {"nees_band_low", s.band_low},
           {"nees_band_high", s.band_high},
           {"negative_log_likelihood", s.negative_log_likelihood}};
-}
-
-/// Text in quotes where a comma would split it.
-std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
 }
 
 }  // namespace

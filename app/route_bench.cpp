@@ -11,6 +11,7 @@
 #include "app/route_command.hpp"
 #include "slam/base/file.hpp"
 #include "slam/base/progress.hpp"
+#include "slam/base/text.hpp"
 #include "slam/plugins/routing/lower_bound.hpp"
 #include "slam/plugins/routing/routing_weights.hpp"
 
@@ -184,8 +185,8 @@ class BenchTable {
     std::string text;
     for (const std::string& row : order_) {
       for (const auto& [cities, cell] : cells_.at(row)) {
-        text += fmt::format("{},{},{},{:.6f},{:.4f}\n", agents_, cities, row, cell.longest,
-                            cell.seconds);
+        text += fmt::format("{},{},{},{:.6f},{:.4f}\n", agents_, cities, csv_field(row),
+                            cell.longest, cell.seconds);
       }
     }
     return text;

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -84,11 +85,8 @@ ExitCode exit_code_of(const system::RunOutcome& outcome) {
 
 ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
   Settings settings;
-  adaptation::AdaptationOptions adaptation;
-  settings.config().section("finetune", adaptation);
   arguments.layers.apply(settings);
   apply_flags(arguments, settings);
-  adaptation.validate();
   system::RunRequest request;
   parse_frames(arguments.frames, request);
 
@@ -104,7 +102,8 @@ ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
 
   std::unique_ptr<adaptation::OnlineAdapter> adapter;
   if (arguments.adapt) {
-    adapter = std::make_unique<adaptation::OnlineAdapter>(settings.slam(), adaptation, *sequence);
+    adapter = std::make_unique<adaptation::OnlineAdapter>(settings.slam(), settings.adaptation(),
+                                                          *sequence);
     adapter->attach(request);
   }
   ProgressBar bar(sequence->name(), !common.quiet);
@@ -122,11 +121,12 @@ ExitCode run(const RunArguments& arguments, const CommonOptions& common) {
   if (arguments.out.empty()) system::update_latest_link(folder.path());
 
   const std::string metrics = read_file(folder.path() / "metrics.json");
-  for (const std::string& warning : outcome.result.warnings) log::warn("{}", warning);
+  const auto parsed = nlohmann::json::parse(metrics);
+  for (const auto& warning : parsed.at("warnings")) log::warn("{}", warning.get<std::string>());
   if (arguments.json) {
     std::fputs(metrics.c_str(), stdout);
   } else {
-    std::fputs(system::metrics_table(nlohmann::json::parse(metrics)).c_str(), stdout);
+    std::fputs(system::metrics_table(parsed).c_str(), stdout);
     std::printf("report: %s\n", (folder.path() / "report.html").c_str());
   }
   return exit_code_of(outcome);
@@ -149,7 +149,8 @@ void add_run_command(CLI::App& app, Action& action, const CommonOptions& common)
   command->add_option("--frames", arguments->frames, "Only frames A to B-1")->type_name("A:B");
   command->add_option("--networks", arguments->networks,
                       "Folder of weights that `imslam finetune` wrote");
-  command->add_option("--seed", arguments->seed, "Seed of all randomness, 0 or more");
+  command->add_option("--seed", arguments->seed, "Seed of all randomness, 0 or more")
+      ->check(CLI::Range(0, std::numeric_limits<int>::max()));
   command->add_flag("--adapt", arguments->adapt,
                     "Let the networks learn from the past while the run goes on");
   command->add_flag("--json", arguments->json, "Print metrics.json instead of the table");

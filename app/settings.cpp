@@ -16,7 +16,15 @@ std::filesystem::path find_config(const std::string& name) {
                    ExitCode::kUsage);
 }
 
-Settings::Settings() { slam_.describe(config_); }
+Settings::Settings() {
+  slam_.describe(config_);
+  config_.section("finetune", adaptation_);
+}
+
+void Settings::validate() const {
+  slam_.validate();
+  adaptation_.validate();
+}
 
 void ConfigLayers::add_options(CLI::App& command) {
   command.add_option("-c,--config", files_, "YAML file(s), or the name of a shipped one")

@@ -5,13 +5,14 @@
 #include <string>
 #include <vector>
 
+#include "slam/adaptation/adaptation_options.hpp"
 #include "slam/base/config.hpp"
 #include "slam/system/slam_options.hpp"
 
 namespace imslam::app {
 
-/// All option structs of `imslam run`, bound to one config. Not copyable: the config points into
-/// it.
+/// All option structs of `imslam run` and `imslam finetune`, bound to one config. Not copyable: the
+/// config points into it.
 class Settings {
  public:
   Settings();
@@ -21,10 +22,12 @@ class Settings {
   Config& config() { return config_; }
   const Config& config() const { return config_; }
   const system::SlamOptions& slam() const { return slam_; }
-  void validate() const { slam_.validate(); }
+  adaptation::AdaptationOptions& adaptation() { return adaptation_; }
+  void validate() const;
 
  private:
   system::SlamOptions slam_;
+  adaptation::AdaptationOptions adaptation_;
   Config config_;
 };
 

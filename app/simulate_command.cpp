@@ -32,6 +32,7 @@ ExitCode simulate(const SimulateArguments& arguments, bool quiet) {
   auto options = simulation::default_sequence_options();
   Config config;
   config.section("simulation", options);
+  config.listed_by("imslam simulate --list");
   for (const std::string& file : arguments.files) config.load_file(file);
   for (const std::string& assignment : arguments.assignments)
     config.set("simulation." + assignment, "--set");

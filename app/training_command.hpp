@@ -41,6 +41,7 @@ ExitCode train(const std::string& title,
   Options options;
   Config config;
   config.section("train", options);
+  config.listed_by(fmt::format("imslam {} --list", title));
   for (const std::string& file : arguments.files) config.load_file(find_config(file));
   for (const std::string& assignment : arguments.assignments)
     config.set("train." + assignment, "--set");

@@ -48,8 +48,11 @@ std::string usage_error(const CLI::App* app, const CLI::Error& error) {
     const std::string name = word.substr(0, word.find('='));
     const auto nearest =
         nearest_name(name, option ? option_names(chain) : subcommand_names(*chain.back()));
-    if (!nearest) continue;
-    text += fmt::format("'{}' is unknown; did you mean '{}'?\n", name, *nearest);
+    if (nearest) {
+      text += fmt::format("'{}' is unknown; did you mean '{}'?\n", name, *nearest);
+    } else if (!option && !subcommand_names(*chain.back()).empty()) {
+      text += fmt::format("'{}' is no command of {}\n", name, chain.back()->get_name());
+    }
   }
   std::string command;
   for (const CLI::App* part : chain) command += part->get_name() + " ";

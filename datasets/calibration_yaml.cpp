@@ -69,6 +69,7 @@ RawCamera read_euroc_camera(const std::filesystem::path& sensor_yaml) {
     camera.distortion = map.at("distortion_coefficients").numbers();
   }
   camera.T_body_camera = rigid_motion_at(map, "T_BS");
+  camera.where_it_stands = map.at("T_BS").where();
   return camera;
 }
 

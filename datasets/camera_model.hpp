@@ -25,7 +25,8 @@ struct RawCamera {
   LensModel lens = LensModel::kNone;
   std::vector<double> distortion;
   lie::SE3d T_body_camera;
-  std::string where;  ///< "file:line", for messages
+  std::string where;            ///< "file:line", for messages
+  std::string where_it_stands;  ///< likewise, of T_body_camera; empty: as `where`
 };
 
 /// "radial-tangential", "radtan", "plumb_bob", "equidistant", "none".

@@ -9,6 +9,7 @@
 #include "datasets/check_files.hpp"
 #include "datasets/check_imu.hpp"
 #include "datasets/check_vision.hpp"
+#include "datasets/imu_csv.hpp"
 #include "datasets/recording.hpp"
 #include "slam/base/config.hpp"
 
@@ -104,6 +105,8 @@ void check_recording(const std::filesystem::path& folder,
                      const CheckOptions& options,
                      Findings& findings) {
   Recording recording = read_recording(folder, options.format);
+  const std::string calibration_file = recording.calibration_file;
+  findings.about(recording.root.string());
   check_pairing(recording, findings);
   check_images(recording, options, findings);
   const std::string imu_file = [&] {
@@ -117,9 +120,22 @@ void check_recording(const std::filesystem::path& folder,
   }();
   const auto sequence = make_sequence(std::move(recording));
   findings.info("format " + sequence->format() + ", sequence " + sequence->name());
-  check_timing(*sequence, findings);
+  check_timing(*sequence, imu_file, findings);
   if (sequence->imu()) check_imu_values(*sequence->imu(), imu_file, findings);
+  findings.about(calibration_file);
   if (options.vision_frames > 0) check_vision(*sequence, options.vision_frames, findings);
+}
+
+/// What the samples alone tell where the recording as a whole cannot be opened.
+void check_samples_alone(const std::filesystem::path& folder, Findings& findings) {
+  for (const auto& file : imu_files(folder)) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) continue;
+    ImuData imu;
+    imu.samples = read_imu_csv(file).samples;
+    check_samples(imu, file.string(), findings);
+    check_imu_values(imu, file.string(), findings);
+  }
 }
 
 bool same_error(const Finding& a, const Finding& b) {
@@ -172,6 +188,11 @@ std::vector<Finding> check_sequence(const std::filesystem::path& folder,
     check_recording(folder, options, findings);
   } catch (const InputError& error) {
     findings.fail(error);
+    try {
+      check_samples_alone(folder, findings);
+    } catch (const InputError&) {
+      // What is wrong with the file is among the findings already.
+    }
   }
   return without_repetitions(findings.all());
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <functional>
 #include <limits>
+#include <map>
 
 #include "datasets/image_index.hpp"
 #include "datasets/imu_csv.hpp"
@@ -102,6 +103,20 @@ void check_order(const std::vector<Stamp>& stamps,
   }
 }
 
+bool same_values(const ImuSample& a, const ImuSample& b) {
+  return a.angular_velocity == b.angular_velocity && a.linear_acceleration == b.linear_acceleration;
+}
+
+/// The line of the first sample with the stamp of an earlier one, and with its values or others.
+std::size_t first_repetition(const std::vector<ImuRow>& rows, bool of_values) {
+  std::map<std::int64_t, const ImuRow*> seen;
+  for (const ImuRow& row : rows) {
+    const auto [earlier, is_new] = seen.emplace(row.sample.time_ns, &row);
+    if (!is_new && same_values(earlier->second->sample, row.sample) == of_values) return row.line;
+  }
+  return 0;
+}
+
 void check_imu_rows(const std::vector<ImuRow>& rows, const std::string& file, Findings& findings) {
   std::vector<Stamp> stamps;
   for (const ImuRow& row : rows) stamps.push_back({row.sample.time_ns, row.line});
@@ -119,12 +134,17 @@ void check_imu_rows(const std::vector<ImuRow>& rows, const std::string& file, Fi
   }
   if (cleaning.repeated > 0) {
     findings.warn(fmt::format("{} samples are exact copies", cleaning.repeated), "they are dropped",
-                  file);
+                  file, first_repetition(rows, true));
   }
   if (cleaning.conflicting > 0) {
     findings.warn(fmt::format("{} samples have the stamp of another", cleaning.conflicting),
-                  "the first of each stamp is kept; check the recorder's clock", file);
+                  "the first of each stamp is kept; check the recorder's clock", file,
+                  first_repetition(rows, false));
   }
+}
+
+fs::path mav0_of(const fs::path& folder) {
+  return fs::is_directory(folder / "mav0") ? folder / "mav0" : folder;
 }
 
 void check_times(const fs::path& file, Findings& findings) {
@@ -175,9 +195,13 @@ void check_image_csv(const fs::path& file, Findings& findings) {
   }
 }
 
+std::vector<fs::path> imu_files(const fs::path& folder) {
+  return {mav0_of(folder) / "imu0" / "data.csv", folder / "imu.csv"};
+}
+
 void check_files(const fs::path& folder, Findings& findings) {
-  const fs::path mav0 = fs::is_directory(folder / "mav0") ? folder / "mav0" : folder;
-  for (const fs::path& file : {mav0 / "imu0" / "data.csv", folder / "imu.csv"}) {
+  const fs::path mav0 = mav0_of(folder);
+  for (const fs::path& file : imu_files(folder)) {
     if (fs::exists(file)) check_imu_csv(file, findings);
   }
   for (const char* camera : {"cam0", "cam1"}) {

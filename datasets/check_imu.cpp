@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/imu_csv.hpp"
 #include "slam/base/time.hpp"
 
 namespace imslam::datasets {
@@ -14,6 +15,18 @@ constexpr double kGravity = 9.81;       // [m/s^2]
 constexpr double kBridgedGap_s = 0.05;  // preintegration interpolates up to here
 constexpr double kUnbridgedGap_s = 0.5;
 constexpr std::size_t kListedGaps = 5;
+
+constexpr double kImpossible = 10.0;  ///< times the sensor's range
+
+/// Samples of one kind.
+struct Outliers {
+  std::size_t count = 0;
+  std::int64_t first_ns = 0;
+
+  void add(const ImuSample& sample) {
+    if (count++ == 0) first_ns = sample.time_ns;
+  }
+};
 
 struct Steps {
   double median_s = 0.0;
@@ -51,6 +64,21 @@ std::vector<std::int64_t> sample_times(const ImuData& imu) {
   return times;
 }
 
+/// Where the sample with this stamp stands; 0: the file is none of lines, or moves its stamps.
+std::size_t line_of_sample(const std::string& file, std::int64_t time_ns) {
+  if (file.empty()) return 0;
+  CsvReader csv = open_imu_csv(LineReader(file));
+  for (;;) {
+    try {
+      if (!csv.next()) return 0;
+      const ImuRow row = imu_row(csv);
+      if (row.sample.time_ns == time_ns) return row.line;
+    } catch (const InputError&) {
+      continue;  // a finding of the line by line check
+    }
+  }
+}
+
 void check_frames(const std::vector<std::int64_t>& times, Findings& findings) {
   if (times.size() < 2) {
     findings.fail(ExitCode::kData, fmt::format("{} stereo frame only", times.size()),
@@ -73,36 +101,6 @@ void check_frames(const std::vector<std::int64_t>& times, Findings& findings) {
     }
   }
   if (gaps > kListedGaps) findings.info(fmt::format("{} more gaps", gaps - kListedGaps));
-}
-
-void check_samples(const ImuData& imu, Findings& findings) {
-  const auto times = sample_times(imu);
-  if (times.size() < 2) {
-    findings.fail(ExitCode::kData, fmt::format("{} IMU sample only", times.size()),
-                  "record the IMU with the cameras, or remove its file");
-    return;
-  }
-  const Steps steps = steps_of(times);
-  const double rate_hz = 1.0 / steps.median_s;
-  findings.info(
-      fmt::format("{} IMU samples in {:.2f} s, {:.1f} Hz; {} irregular steps, the longest "
-                  "{:.1f} ms",
-                  times.size(), to_seconds(times.back() - times.front()), rate_hz, steps.irregular,
-                  steps.largest_s * 1e3));
-  if (rate_hz < 50.0) {
-    findings.warn(fmt::format("IMU rate of {:.1f} Hz", rate_hz),
-                  "50 Hz and more are needed to integrate motion well");
-  }
-  std::size_t gaps = 0;
-  for (std::size_t i = 1; i < times.size(); ++i) {
-    const double step_s = to_seconds(times[i] - times[i - 1]);
-    if (step_s <= kBridgedGap_s || ++gaps > kListedGaps) continue;
-    findings.warn(fmt::format("IMU gap of {:.0f} ms (at {} ns)", step_s * 1e3, times[i - 1]),
-                  "the motion in it is uncertain; check the recorder for lost packets");
-  }
-  if (gaps > kListedGaps) {
-    findings.warn(fmt::format("{} more IMU gaps", gaps - kListedGaps), "see the first ones");
-  }
 }
 
 /// Stamps of two sensors that do not meet: another unit, another clock, or another recording.
@@ -189,11 +187,43 @@ void check_frozen_axes(const ImuData& imu, const std::string& file, Findings& fi
 
 }  // namespace
 
-void check_timing(const Sequence& sequence, Findings& findings) {
+void check_samples(const ImuData& imu, const std::string& file, Findings& findings) {
+  const auto times = sample_times(imu);
+  if (times.size() < 2) {
+    findings.fail(ExitCode::kData, fmt::format("{} IMU sample only", times.size()),
+                  "record the IMU with the cameras, or remove its file", file);
+    return;
+  }
+  const Steps steps = steps_of(times);
+  const double rate_hz = 1.0 / steps.median_s;
+  findings.info(
+      fmt::format("{} IMU samples in {:.2f} s, {:.1f} Hz; {} irregular steps, the longest "
+                  "{:.1f} ms",
+                  times.size(), to_seconds(times.back() - times.front()), rate_hz, steps.irregular,
+                  steps.largest_s * 1e3),
+      file);
+  if (rate_hz < 50.0) {
+    findings.warn(fmt::format("IMU rate of {:.1f} Hz", rate_hz),
+                  "50 Hz and more are needed to integrate motion well", file);
+  }
+  std::size_t gaps = 0;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    const double step_s = to_seconds(times[i] - times[i - 1]);
+    if (step_s <= kBridgedGap_s || ++gaps > kListedGaps) continue;
+    findings.warn(fmt::format("IMU gap of {:.0f} ms (at {} ns)", step_s * 1e3, times[i - 1]),
+                  "the motion in it is uncertain; check the recorder for lost packets", file,
+                  line_of_sample(file, times[i - 1]));
+  }
+  if (gaps > kListedGaps) {
+    findings.warn(fmt::format("{} more IMU gaps", gaps - kListedGaps), "see the first ones", file);
+  }
+}
+
+void check_timing(const Sequence& sequence, const std::string& imu_file, Findings& findings) {
   const auto frames = frame_times(sequence);
   check_frames(frames, findings);
   if (sequence.imu()) {
-    check_samples(*sequence.imu(), findings);
+    check_samples(*sequence.imu(), imu_file, findings);
     check_overlap(frames, sample_times(*sequence.imu()), findings);
   } else {
     findings.info("no IMU: motion is estimated from images alone");
@@ -206,15 +236,28 @@ void check_imu_values(const ImuData& imu, const std::string& file, Findings& fin
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   std::vector<double> accelerations;
   std::vector<double> rates;
-  std::size_t saturated = 0;
+  Outliers saturated, impossible;
   for (const ImuSample& sample : imu.samples) {
-    mean += sample.linear_acceleration / static_cast<double>(imu.samples.size());
+    const double share_of_range =
+        std::max(sample.linear_acceleration.cwiseAbs().maxCoeff() / imu.noise.accel_range,
+                 sample.angular_velocity.cwiseAbs().maxCoeff() / imu.noise.gyro_range);
+    if (share_of_range > kImpossible) {
+      impossible.add(sample);
+      continue;
+    }
+    if (share_of_range >= 1.0) saturated.add(sample);
+    mean += sample.linear_acceleration;
     accelerations.push_back(sample.linear_acceleration.norm());
     rates.push_back(sample.angular_velocity.norm());
-    const bool limit = sample.linear_acceleration.cwiseAbs().maxCoeff() >= imu.noise.accel_range ||
-                       sample.angular_velocity.cwiseAbs().maxCoeff() >= imu.noise.gyro_range;
-    saturated += limit ? 1 : 0;
   }
+  if (impossible.count > 0) {
+    findings.warn(fmt::format("{} samples hold impossible values, far beyond the sensor's range",
+                              impossible.count),
+                  "they are treated as saturated; check the recorder", file,
+                  line_of_sample(file, impossible.first_ns));
+  }
+  if (accelerations.empty()) return;
+  mean /= static_cast<double>(accelerations.size());
   const double gravity = median(accelerations);
   findings.info(fmt::format("gravity: median specific force {:.3f} m/s^2, norm of the mean {:.3f}; "
                             "median rate {:.3f} rad/s",
@@ -238,9 +281,10 @@ void check_imu_values(const ImuData& imu, const std::string& file, Findings& fin
     findings.warn(fmt::format("median rate of rotation is {:.1f} rad/s", median(rates)),
                   "is the gyro in degrees per second? Radians are expected", file);
   }
-  if (saturated > 0) {
-    findings.warn(fmt::format("{} samples reach the range of the sensor", saturated),
-                  "their intervals are trusted less", file);
+  if (saturated.count > 0) {
+    findings.warn(fmt::format("{} samples reach the range of the sensor", saturated.count),
+                  "their intervals are trusted less", file,
+                  line_of_sample(file, saturated.first_ns));
   }
   check_frozen_axes(imu, file, findings);
 }

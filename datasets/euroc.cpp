@@ -40,6 +40,10 @@ Cameras read_cameras(const fs::path& mav0) {
     cameras.files = {camchain};
     return cameras;
   }
+  if (!fs::exists(mav0 / "cam1")) {
+    throw InputError((mav0 / "cam1").string() +
+                     ": missing: there is no right camera; stereo needs both, cam0 and cam1");
+  }
   cameras.files = {mav0 / "cam0" / "sensor.yaml", mav0 / "cam1" / "sensor.yaml"};
   cameras.cam0 = read_euroc_camera(cameras.files[0]);
   cameras.cam1 = read_euroc_camera(cameras.files[1]);
@@ -53,7 +57,14 @@ std::vector<ImageEntry> read_index(const fs::path& camera_folder, std::vector<fs
     return list_stamped_images(camera_folder / "data");
   }
   files.push_back(csv);
-  return clean_images(read_image_index(csv), csv.string());
+  std::vector<ImageEntry> images = clean_images(read_image_index(csv), csv.string());
+  if (images.empty()) {
+    throw InputError(
+        csv.string() +
+        ": names no image; write one line per image (stamp [ns], file name), or remove "
+        "the file to take the images' names as stamps");
+  }
+  return images;
 }
 
 ImuNoise read_noise(const fs::path& mav0, std::vector<fs::path>& files) {

@@ -39,7 +39,8 @@ void Findings::warn(const std::string& what,
                     const std::string& remedy,
                     const std::string& file,
                     std::size_t line) {
-  all_.push_back({Severity::kWarning, file, line, what, remedy, ExitCode::kOk});
+  all_.push_back(
+      {Severity::kWarning, file.empty() ? file_ : file, line, what, remedy, ExitCode::kOk});
 }
 
 void Findings::fail(ExitCode code,
@@ -47,7 +48,7 @@ void Findings::fail(ExitCode code,
                     const std::string& remedy,
                     const std::string& file,
                     std::size_t line) {
-  all_.push_back({Severity::kError, file, line, what, remedy, code});
+  all_.push_back({Severity::kError, file.empty() ? file_ : file, line, what, remedy, code});
 }
 
 void Findings::fail(const InputError& error) {

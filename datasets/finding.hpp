@@ -26,6 +26,9 @@ std::string to_text(const Finding& finding);
 /// Collects findings in the order in which they are made.
 class Findings {
  public:
+  /// From now on warnings and errors that name no file are about this one.
+  void about(const std::string& file) { file_ = file; }
+
   void info(const std::string& what, const std::string& file = "");
   void warn(const std::string& what,
             const std::string& remedy,
@@ -43,6 +46,7 @@ class Findings {
   const std::vector<Finding>& all() const { return all_; }
 
  private:
+  std::string file_;
   std::vector<Finding> all_;
 };
 

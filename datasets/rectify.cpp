@@ -170,23 +170,24 @@ GrayImage StereoRectifier::right(GrayImage raw) const {
 bool stands_left_of(const RawCamera& b, const RawCamera& a) {
   const Eigen::Vector3d p_a = (a.T_body_camera.inverse() * b.T_body_camera).translation();
   const double baseline = p_a.norm();
+  const std::string& where = b.where_it_stands.empty() ? b.where : b.where_it_stands;
   if (!(baseline >= kMinBaseline_m && baseline <= kMaxBaseline_m)) {
-    fail_calibration(b.where, fmt::format("the cameras are {:.4g} m apart, expected {} to {} m; "
-                                          "check the extrinsics (metres) of both",
-                                          baseline, kMinBaseline_m, kMaxBaseline_m));
+    fail_calibration(where, fmt::format("the cameras are {:.4g} m apart, expected {} to {} m; "
+                                        "check the extrinsics (metres) of both",
+                                        baseline, kMinBaseline_m, kMaxBaseline_m));
   }
   if (std::abs(p_a.x()) < 0.7 * baseline) {
     fail_calibration(
-        b.where, fmt::format("the cameras do not stand side by side: the second is at ({:.3f}, "
-                             "{:.3f}, {:.3f}) m (right, down, forward) of the first; are the "
-                             "extrinsics inverted? They carry points from the camera to the body",
-                             p_a.x(), p_a.y(), p_a.z()));
+        where, fmt::format("the cameras do not stand side by side: the second is at ({:.3f}, "
+                           "{:.3f}, {:.3f}) m (right, down, forward) of the first; are the "
+                           "extrinsics inverted? They carry points from the camera to the body",
+                           p_a.x(), p_a.y(), p_a.z()));
   }
   const double angle = (a.T_body_camera.inverse() * b.T_body_camera).rotation().log().norm();
   if (angle > 1.0) {
-    fail_calibration(b.where, fmt::format("the cameras look {:.0f} degrees apart; stereo needs "
-                                          "one view; check the extrinsics of both",
-                                          angle * 57.29577951308232));
+    fail_calibration(where, fmt::format("the cameras look {:.0f} degrees apart; stereo needs "
+                                        "one view; check the extrinsics of both",
+                                        angle * 57.29577951308232));
   }
   return p_a.x() < 0.0;
 }

@@ -207,6 +207,10 @@ TrajectoryFormat detect_trajectory_format(const std::filesystem::path& file) {
 }
 
 PosePath read_trajectory(const std::filesystem::path& file) {
+  std::error_code ignored;
+  if (std::filesystem::is_character_file(file, ignored)) {
+    throw InputError(file.string() + ": not a regular file; give the trajectory file itself");
+  }
   const std::string content = read_file(file, kSizeLimit);
   Lines lines(file, content);
   std::optional<PathBuilder> builder;
@@ -242,7 +246,7 @@ void write_trajectory(const std::filesystem::path& file,
     text = fmt::format("# time_s tx ty tz qx qy qz qw (T_world_frame) {} {}\n", kFrameTag,
                        trajectory.frame);
   } else if (format == TrajectoryFormat::kEuroc) {
-    text = fmt::format("#timestamp [ns],px [m],py [m],pz [m],qw,qx,qy,qz, {} {}\n", kFrameTag,
+    text = fmt::format("#timestamp [ns],px [m],py [m],pz [m],qw,qx,qy,qz {} {}\n", kFrameTag,
                        trajectory.frame);
   }
   for (std::size_t i = 0; i < trajectory.size(); ++i) {

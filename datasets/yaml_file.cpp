@@ -111,6 +111,10 @@ YamlValue load_yaml(const std::filesystem::path& file) {
   } catch (const InputError& error) {
     throw InputError(error.what(), ExitCode::kCalibration);
   }
+  if (trim(text).empty()) {
+    throw InputError(file.string() + ": is empty; put the calibration back",
+                     ExitCode::kCalibration);
+  }
   return parse_yaml(std::move(text), file.string());
 }
 

@@ -1,6 +1,7 @@
 #include "slam/base/config.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -29,6 +30,16 @@ std::string environment_name(const std::string& key) {
     name += c == '.' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
   }
   return name;
+}
+
+/// Whether `name` begins like a key: IMSLAM_PGO_. Other names may be those of other programs.
+bool names_a_section(const std::string& name, const std::vector<std::string>& known) {
+  const auto end = name.find('_', std::string_view("IMSLAM_").size());
+  if (end == std::string::npos) return false;
+  const std::string prefix = name.substr(0, end + 1);
+  return std::any_of(known.begin(), known.end(), [&](const std::string& other) {
+    return other.compare(0, prefix.size(), prefix) == 0;
+  });
 }
 
 /// Shortest text that reads back as the same double.
@@ -144,8 +155,9 @@ void Config::assign(const std::string& key, const std::string& value, const std:
   const auto found = fields_.find(key);
   if (found == fields_.end()) {
     const auto nearest = nearest_name(key, keys());
-    fail(where, fmt::format("unknown key '{}'{}; `imslam config dump` lists all keys", key,
-                            nearest ? fmt::format(", did you mean '{}'?", *nearest) : ""));
+    fail(where,
+         fmt::format("unknown key '{}'{}; `{}` lists all keys", key,
+                     nearest ? fmt::format(", did you mean '{}'?", *nearest) : "", listing_));
   }
   if (!found->second.parse(value)) {
     fail(where, fmt::format("'{}' must be {}, got '{}'", key, found->second.type, value));
@@ -167,9 +179,25 @@ void Config::load_file(const std::filesystem::path& file) {
 }
 
 void Config::load_environment() {
+  std::map<std::string, std::string> key_of;  // by the name in the environment
+  std::vector<std::string> names;
   for (const std::string& key : keys()) {
-    const std::string name = environment_name(key);
-    if (const char* value = std::getenv(name.c_str())) assign(key, value, "environment " + name);
+    names.push_back(environment_name(key));
+    key_of[names.back()] = key;
+  }
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string_view text = *entry;
+    const std::size_t equals = std::min(text.find('='), text.size());
+    const std::string name(text.substr(0, equals));
+    const auto known = key_of.find(name);
+    if (known != key_of.end() && equals < text.size()) {
+      assign(known->second, std::string(text.substr(equals + 1)), "environment " + name);
+    } else if (names_a_section(name, names)) {
+      const auto nearest = nearest_name(name, names);
+      fail("environment",
+           fmt::format("unknown key '{}'{}; unset it", name,
+                       nearest ? fmt::format(", did you mean '{}'?", *nearest) : ""));
+    }
   }
 }
 

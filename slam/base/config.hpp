@@ -47,7 +47,8 @@ class Config {
   /// keys (naming the nearest known one), wrong types and syntax errors.
   void load_file(const std::filesystem::path& file);
 
-  /// Applies IMSLAM_SECTION_FIELD for each known key that is set in the environment.
+  /// Applies IMSLAM_SECTION_FIELD for each known key that is set in the environment. Throws
+  /// InputError(kUsage) if one names a section and no key of it.
   void load_environment();
 
   /// One "key=value"; `origin` stands in the error message.
@@ -60,6 +61,9 @@ class Config {
   std::string changes() const;
 
   std::vector<std::string> keys() const;
+
+  /// The command that messages about unknown keys point to.
+  void listed_by(const std::string& command) { listing_ = command; }
 
  private:
   struct Field {
@@ -74,6 +78,7 @@ class Config {
   void assign(const std::string& key, const std::string& value, const std::string& where);
 
   std::string prefix_;
+  std::string listing_ = "imslam config dump";
   std::map<std::string, Field> fields_;
 };
 

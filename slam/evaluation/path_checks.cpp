@@ -15,6 +15,7 @@ namespace {
 constexpr double kLargestDefect = 1e-3;
 constexpr double kFlat = 1e-6;  ///< ratio of variances: 1 mm on 1 m
 constexpr double kSuspiciousAngle = 20.0 / kDegreesPerRadian;
+constexpr double kSureOfAlignment = 3.0;  ///< angles below as many of its standard deviations
 
 struct MeanRotation {
   Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
@@ -41,6 +42,24 @@ MeanRotation mean_rotation(const std::vector<Eigen::Matrix3d>& rotations) {
   return mean;
 }
 
+/// How well positions determine the turn about the path's main direction [rad]: what is left of
+/// them after alignment, seen from how far the path goes aside.
+double alignment_sigma(const PosePath& aligned, const PosePath& reference) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  const auto count = static_cast<double>(reference.size());
+  for (const Eigen::Matrix4d& pose : reference.poses) mean += position(pose) / count;
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  double left = 0.0;
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    const Eigen::Vector3d d = position(reference.poses[i]) - mean;
+    spread += d * d.transpose() / count;
+    left += (position(aligned.poses[i]) - position(reference.poses[i])).squaredNorm() / count;
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread, Eigen::EigenvaluesOnly);
+  const double aside = axes.eigenvalues()[0] + axes.eigenvalues()[1];
+  return aside > 0.0 ? std::sqrt(left / aside) : M_PI;
+}
+
 std::string constant_rotation_warning(const MatchedPaths& matched, const PosePath& aligned) {
   std::vector<Eigen::Matrix3d> differences;
   for (std::size_t i = 0; i < aligned.size(); ++i) {
@@ -50,6 +69,7 @@ std::string constant_rotation_warning(const MatchedPaths& matched, const PosePat
   const MeanRotation mean = mean_rotation(differences);
   const double angle = rotation_angle(mean.R);
   if (angle < kSuspiciousAngle || mean.spread > 0.25 * angle) return "";
+  if (angle < kSureOfAlignment * alignment_sigma(aligned, matched.reference)) return "";
   const Eigen::Quaterniond q = quaternion_of(mean.R);
   return fmt::format(
       "the frames differ: after alignment the orientations are {:.1f} deg apart, always about the "

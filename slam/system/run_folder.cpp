@@ -99,14 +99,20 @@ void RunFolder::publish() {
 
 RunFolder RunFolder::take(const fs::path& out, bool force) {
   if (!fs::exists(out)) create(out);
-  const bool is_folder = fs::is_directory(out);
-  RunFolder taken(out, is_folder ? lock_folder(out) : -1);
-  if (is_folder && fs::is_empty(out)) return taken;
+  if (!fs::is_directory(out)) {
+    throw InputError(fmt::format("{}: is no folder; name another --out", out.string()),
+                     ExitCode::kOutput);
+  }
+  RunFolder taken(out, lock_folder(out));
+  if (fs::is_empty(out)) return taken;
   const bool earlier_run = fs::exists(out / "manifest.json");
   if (!force || !earlier_run) {
-    throw InputError(fmt::format("{}: exists and is not empty; name another --out{}", out.string(),
-                                 earlier_run ? " or add --force to replace that run" : ""),
-                     ExitCode::kOutput);
+    const char* advice = earlier_run ? " or add --force to replace that run"
+                         : force     ? "; --force replaces earlier runs only, and this is none"
+                                     : "";
+    throw InputError(
+        fmt::format("{}: exists and is not empty; name another --out{}", out.string(), advice),
+        ExitCode::kOutput);
   }
   const fs::path final_place = fs::canonical(out);
   taken.path_ = staging_beside(final_place);

@@ -15,6 +15,7 @@ struct RunSummary {
   std::string format;
   double wall_s = 0.0;                 ///< from the first frame to the final trajectory
   std::string networks = "zero-shot";  ///< or how they were adapted to the sequence, and when
+  bool stopped = false;                ///< before the last frame that was asked for
 };
 
 /// The content of metrics.json. Numbers that are not determined are null; nothing is ever NaN.

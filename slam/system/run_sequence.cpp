@@ -136,11 +136,17 @@ RunOutcome run_sequence(datasets::Sequence& sequence,
     }
   }
   outcome.result = slam.finish();
+  if (outcome.stopped && done < range.last - range.first) {
+    outcome.result.warnings.push_back(
+        fmt::format("stopped after {} of {} frames: everything here is about these", done,
+                    range.last - range.first));
+  }
   if (!why_not.empty()) outcome.result.warnings.push_back(std::move(why_not));
   outcome.result.device = device;
   if (inertial) outcome.result.counters.imu_dropped += sequence.imu()->dropped;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   outcome.summary = {sequence.name(), sequence.format(), elapsed.count()};
+  outcome.summary.stopped = outcome.stopped;
   outcome.evaluation = evaluate_if_possible(sequence, outcome.result);
   return outcome;
 }

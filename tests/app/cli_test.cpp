@@ -60,6 +60,7 @@ TEST(CommandLine, AMistypedCommandOrOptionNamesTheNearest) {
   }
   const auto nothing_near = run_imslam(dir, "route fly");
   EXPECT_FALSE(contains(nothing_near.err, "did you mean")) << nothing_near.err;
+  EXPECT_TRUE(contains(nothing_near.err, "'fly' is no command of route")) << nothing_near.err;
   EXPECT_TRUE(contains(nothing_near.err, "imslam route --help")) << nothing_near.err;
 }
 

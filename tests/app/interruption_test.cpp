@@ -71,6 +71,9 @@ TEST_F(Interruption, LeavesAValidFolderAndTheCodeOfItsSignal) {  // D6
     testing::expect_complete_run(out, part);
     EXPECT_GE(part.metrics.at("frames").get<int>(), 2);
     EXPECT_LT(part.metrics.at("frames").get<int>(), 121);
+    EXPECT_TRUE(part.metrics.at("stopped").get<bool>());
+    EXPECT_NE(part.metrics.at("warnings").dump().find("of 121 frames"), std::string::npos);
+    EXPECT_NE(slurp(out / "report.html").find("stopped after"), std::string::npos);
   }
 }
 

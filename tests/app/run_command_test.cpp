@@ -47,11 +47,30 @@ class RunCommand : public ::testing::Test {
 TEST_F(RunCommand, FramesTakesAPartAndRefusesNonsense) {
   const auto part = run_checked(dir_, base_, "--frames 10:40", "part");
   EXPECT_EQ(part.metrics.at("frames"), 30);
-  for (const char* frames : {"5", "a:b", "-3:5", "5:5", "9:5", "0:1000000", "1:2:3",
+  for (const char* frames : {"5", "a:b", "-3:5", "5:5", "9:5", "0:0", "0:1000000", "1:2:3",
                              "99999999999999999999:", "18446744073709551615:"}) {
     EXPECT_EQ(run_base(std::string("--frames=") + frames).exit_code, 2) << frames;
     EXPECT_FALSE(fs::exists(dir_.path() / "run")) << frames;
   }
+}
+
+TEST_F(RunCommand, SeedsAreWholeNumbersFromZero) {
+  for (const char* seed : {"-1", "1.5", "x"}) {
+    EXPECT_EQ(run_base(std::string("--seed=") + seed).exit_code, 2) << seed;
+  }
+}
+
+TEST_F(RunCommand, ItsConfigurationIsOneThatCanBeChecked) {
+  ASSERT_EQ(run_base(kShort).exit_code, 0);
+  const auto result = run_imslam(
+      dir_, "config validate --config " + quoted((dir_.path() / "run/config.yaml").string()));
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+}
+
+TEST_F(RunCommand, NoReportIsWrittenIntoAFolderOfSomethingElse) {
+  dir_.write("mine/notes.txt", "precious");
+  EXPECT_EQ(run_imslam(dir_, "report " + quoted((dir_.path() / "mine").string())).exit_code, 3);
+  EXPECT_FALSE(fs::exists(dir_.path() / "mine" / "report.html"));
 }
 
 TEST_F(RunCommand, JsonPrintsMetricsAndNothingElse) {

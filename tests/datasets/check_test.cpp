@@ -212,8 +212,8 @@ TEST_F(CheckTiny, ListsWhatTheReaderWouldSortDropAndRefuse) {
   write_text(sequence_ / "imu.csv", text + "12,0.1");
   auto findings = check_without_vision();
   expect_finding(findings, Severity::kWarning, "1 samples hold nan or inf", 22);
-  expect_finding(findings, Severity::kWarning, "1 samples are exact copies");
-  expect_finding(findings, Severity::kWarning, "1 samples have the stamp of another");
+  expect_finding(findings, Severity::kWarning, "1 samples are exact copies", 33);
+  expect_finding(findings, Severity::kWarning, "1 samples have the stamp of another", 53);
   expect_finding(findings, Severity::kWarning, "1 samples stand behind later ones", 83);
   expect_finding(findings, Severity::kWarning, "the last line is cut off");
   EXPECT_EQ(count(findings, Severity::kError), 0U) << text_of(findings);
@@ -230,8 +230,32 @@ TEST_F(CheckTiny, CountsGapsAndWhatTheImuDoesNotCover) {
   samples.resize(300);
   write_imu(samples);
   const auto findings = check_without_vision();
-  expect_finding(findings, Severity::kWarning, "IMU gap of 305 ms");
+  expect_finding(findings, Severity::kWarning, "IMU gap of 305 ms", 101);
   expect_finding(findings, Severity::kWarning, "the IMU covers");
+}
+
+TEST_F(CheckTiny, TellsImpossibleSamplesFromSaturatedOnes) {
+  std::vector<ImuSample> samples = world_.imu();
+  samples[40].linear_acceleration.z() = 160.0;
+  samples[70].linear_acceleration.x() = 1e30;
+  samples[90].linear_acceleration.x() = 1e30;
+  write_imu(samples);
+  const auto findings = check_without_vision();
+  expect_finding(findings, Severity::kWarning, "1 samples reach the range of the sensor", 42);
+  expect_finding(findings, Severity::kWarning, "2 samples hold impossible values", 72);
+  const Finding* gravity = find(findings, "norm of the mean");
+  ASSERT_NE(gravity, nullptr);
+  EXPECT_NE(gravity->what.find("norm of the mean 9."), std::string::npos) << gravity->what;
+}
+
+TEST_F(CheckTiny, LooksAtTheSamplesWhereTheCalibrationIsWrong) {
+  write_text(sequence_ / "calib.txt", "P0: nonsense\n");
+  std::vector<ImuSample> samples = world_.imu();
+  samples.erase(samples.begin() + 100, samples.begin() + 160);
+  write_imu(samples);
+  const auto findings = check_without_vision();
+  EXPECT_GE(count(findings, Severity::kError), 1U);
+  expect_finding(findings, Severity::kWarning, "IMU gap of 305 ms", 101);
 }
 
 TEST_F(CheckTiny, ListsMissingAndDamagedImagesByFile) {

@@ -6,6 +6,7 @@
 
 #include "slam/base/error.hpp"
 #include "slam/base/file.hpp"
+#include "tests/datasets/expect_error.hpp"
 #include "tests/support/numeric_jacobian.hpp"
 #include "tests/support/temp_dir.hpp"
 
@@ -124,6 +125,11 @@ TEST(TrajectoryFile, NamesFileLineAndReasonOfBadInput) {
       EXPECT_EQ(error.code(), bad.code) << message;
     }
   }
+}
+
+TEST(TrajectoryFile, RefusesADeviceThatNeverEnds) {
+  imslam::testing::expect_input_error([] { read_trajectory("/dev/zero"); }, ExitCode::kData,
+                                      {"not a regular file"});
 }
 
 TEST(TrajectoryFile, SaysThatThereAreNoPoses) {

@@ -84,6 +84,23 @@ TEST_F(ConfigTest, FileYieldsToEnvironmentAndEnvironmentToCommandLine) {
   EXPECT_EQ(options_.rounds, 3);
 }
 
+TEST_F(ConfigTest, AnUnknownKeyInTheEnvironmentIsAnErrorIfItNamesASection) {
+  ::setenv("IMSLAM_PGO_ROUNDZ", "2", 1);
+  const std::string message = message_of([&] { config_.load_environment(); });
+  ::unsetenv("IMSLAM_PGO_ROUNDZ");
+  EXPECT_TRUE(contains(message, "IMSLAM_PGO_ROUNDZ")) << message;
+  EXPECT_TRUE(contains(message, "did you mean 'IMSLAM_PGO_ROUNDS'")) << message;
+  ::setenv("IMSLAM_OTHER_ROUNDS", "2", 1);
+  EXPECT_NO_THROW(config_.load_environment());
+  ::unsetenv("IMSLAM_OTHER_ROUNDS");
+}
+
+TEST_F(ConfigTest, UnknownKeysPointToTheCommandThatListsThem) {
+  config_.listed_by("imslam simulate --list");
+  const std::string message = message_of([&] { config_.set("pgo.x=1", "--set"); });
+  EXPECT_TRUE(contains(message, "`imslam simulate --list` lists all keys")) << message;
+}
+
 TEST_F(ConfigTest, UnknownKeyNamesFileLineAndTheNearestKey) {
   const std::string message = message_of_file("pgo:\n  verbose: true\n  roundz: 3\n");
   EXPECT_TRUE(contains(message, "test.yaml:3")) << message;

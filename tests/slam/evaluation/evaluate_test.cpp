@@ -164,6 +164,29 @@ TEST(Evaluate, NoticesPosesOfAnotherFrameOfTheSameBody) {
   EXPECT_NEAR(*corrected.ate_se3_rmse_m, *plain.ate_se3_rmse_m, 1e-12);
 }
 
+/// A turn about the direction of a short, nearly straight path is one that its positions leave
+/// open.
+TEST(Evaluate, DoesNotTakeAnOpenAlignmentForAnotherFrame) {
+  PosePath reference;
+  reference.source = "reference";
+  for (int i = 0; i < 12; ++i) {
+    Eigen::Matrix4d pose = Eigen::Matrix4d::Identity();
+    pose.topRightCorner<3, 1>() << 0.01 * i, 4e-4 * i * (11 - i) / 30.0, 0.0;
+    reference.stamps_s.push_back(0.05 * i);
+    reference.poses.push_back(pose);
+  }
+  PosePath estimate = reference;
+  estimate.source = "estimate";
+  for (int i = 0; i < 12; ++i) {  // a bow upwards instead of sideways, and lower
+    auto place = estimate.poses[static_cast<std::size_t>(i)].topRightCorner<3, 1>();
+    place.z() = 0.3 * place.y();
+    place.y() = 0.0;
+  }
+  const Evaluation evaluation = evaluate(reference, estimate);
+  EXPECT_LT(evaluation.se3.R(1, 1), 0.8);  // the alignment does turn it
+  EXPECT_FALSE(mentions(evaluation, "the frames differ"));
+}
+
 TEST(Evaluate, NoticesDifferentLabelsOfFrames) {
   PosePath reference = winding_path(50);
   PosePath estimate = disturbed(reference);
