@@ -13,7 +13,7 @@ namespace {
 void expect_run(const std::filesystem::path& folder) {
   std::error_code ignored;
   if (!std::filesystem::is_directory(folder, ignored)) return;  // said by what reads it
-  for (const char* name : {"metrics.json", "manifest.json", "trajectory.tum"}) {
+  for (const char* name : {"metrics.json", "manifest.json", "trajectory.tum", "log.csv"}) {
     if (std::filesystem::exists(folder / name, ignored)) return;
   }
   throw InputError(folder.string() +
