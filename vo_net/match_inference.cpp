@@ -85,12 +85,12 @@ void MatchInference::step_back() {
   left_before_->shrink = 0;
 }
 
-Var MatchInference::coarse_logits(const Encoded& from,
+/// `from`: on the tape of `to`.
+Var MatchInference::coarse_logits(const FeaturePyramid& from,
                                   Encoded& to,
                                   MatchKind kind,
                                   const MatchHint& hint) {
-  return network_->coarse_logits(to.tape, borrow(to.tape, from.tape, from.features), to.features,
-                                 kind, hint);
+  return network_->coarse_logits(to.tape, from, to.features, kind, hint);
 }
 
 std::vector<NetworkAnswer> MatchInference::flow(const std::vector<Eigen::Vector2d>& points,
@@ -99,17 +99,26 @@ std::vector<NetworkAnswer> MatchInference::flow(const std::vector<Eigen::Vector2
   hint.predicted_x = predicted.x() / shrink_;
   hint.predicted_y = predicted.y() / shrink_;
   Pair pair{*left_before_, *left_, {}, MatchKind::kFlow, hint};
-  parallel_for(2, [&](std::size_t i) {  // on two tapes
-    if (i == 0) pair.coarse_logits = coarse_logits(pair.from, pair.to, pair.kind, hint);
-    if (i == 1 && !stereo_logits_) {
-      stereo_logits_ = coarse_logits(*left_, *right_, MatchKind::kStereo, {});
+  // Both tasks want the newest left image, one of them writes on its tape: borrow before they part.
+  const FeaturePyramid before = borrow(left_->tape, left_before_->tape, left_before_->features);
+  const bool stereo_too = !stereo_logits_;
+  const FeaturePyramid left =
+      stereo_too ? borrow(right_->tape, left_->tape, left_->features) : FeaturePyramid();
+  parallel_for(stereo_too ? 2 : 1, [&](std::size_t i) {  // on two tapes
+    if (i == 0) {
+      pair.coarse_logits = coarse_logits(before, *left_, pair.kind, hint);
+    } else {
+      stereo_logits_ = coarse_logits(left, *right_, MatchKind::kStereo, {});
     }
   });
   return match(pair, points);
 }
 
 std::vector<NetworkAnswer> MatchInference::stereo(const std::vector<Eigen::Vector2d>& points) {
-  if (!stereo_logits_) stereo_logits_ = coarse_logits(*left_, *right_, MatchKind::kStereo, {});
+  if (!stereo_logits_) {
+    const FeaturePyramid left = borrow(right_->tape, left_->tape, left_->features);
+    stereo_logits_ = coarse_logits(left, *right_, MatchKind::kStereo, {});
+  }
   return match({*left_, *right_, stereo_logits_, MatchKind::kStereo, {}}, points);
 }
 

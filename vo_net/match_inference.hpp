@@ -61,7 +61,10 @@ class MatchInference {
     MatchHint hint;
   };
   void encode(Encoded& encoded) const;
-  nn::Var coarse_logits(const Encoded& from, Encoded& to, MatchKind kind, const MatchHint& hint);
+  nn::Var coarse_logits(const FeaturePyramid& from,
+                        Encoded& to,
+                        MatchKind kind,
+                        const MatchHint& hint);
   std::vector<NetworkAnswer> match(const Pair& pair, const std::vector<Eigen::Vector2d>& points);
   void match_some(const Pair& pair,
                   nn::Tape<float>& tape,
