@@ -22,7 +22,7 @@ void AdaptationOptions::describe(Config& config) {
   config.field("rate", rate, "learning rate after the warm-up, then half a cosine to 0");
   config.field("warm_up", warm_up, "[steps]");
   config.field("weight_decay", weight_decay, "of AdamW");
-  config.field("clip", clip, "largest norm of the gradient");
+  config.field("clip", clip, "largest norm of the gradient of one network");
   config.field("patience", patience, "epochs without gain after which it ends; 0: never");
   config.field("guard", guard, "the given weights are the result unless the loss gains on them");
   config.field("matcher", matcher, {"off", "heads", "all"}, "what learns of the matching network");

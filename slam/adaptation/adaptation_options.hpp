@@ -50,7 +50,7 @@ struct AdaptationOptions : learner::TrainingOptions {
   int rehearsals = 2;             ///< simulated logs of other sensors per step, so as not to forget
   double rehearsal_weight = 1.0;  ///< of their likelihoods, together, beside the sequence's own
   double imu_rate = 2.0;          ///< learning rate beside that of the matcher
-  double noise_rate = 5.0;        ///< likewise, of motion_noise, which begins with nothing
+  double noise_rate = 15.0;       ///< likewise, of motion_noise, which begins with nothing
 
   double held_out = 0.2;     ///< [1] share of the frames that no network learns from
   int stretch = 20;          ///< [frames] that are held out in a row

@@ -141,7 +141,7 @@ void OnlineAdapter::learn(const pgo::PoseVelocityGraph& window) {
       usable_.size(),
       [&](nn::Tape<float>& tape, std::size_t slot) { return lesson(tape, *teacher, slot); },
       gradients_);
-  const double norm = nn::clip_global_norm(gradients_, options_.clip);
+  const double norm = nn::clip_network_norms(networks_.parameters(), gradients_, options_.clip);
   const bool any = std::count(usable_.begin(), usable_.end(), 1) > 0;
   if (!any || !std::isfinite(loss) || !std::isfinite(norm)) {
     ++skipped_;

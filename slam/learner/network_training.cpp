@@ -53,7 +53,7 @@ double NetworkTraining::step() {
   const nn::CosineSchedule schedule{common_.rate, common_.steps, common_.warm_up};
   record_.loss = loss;
   record_.rate = schedule.rate(step_);
-  record_.gradient_norm = nn::clip_global_norm(gradients_, common_.clip);
+  record_.gradient_norm = nn::clip_network_norms(parameters_, gradients_, common_.clip);
   if (!any_used) {
     ++skipped_.unsolved;
   } else if (!std::isfinite(record_.gradient_norm) || !std::isfinite(loss)) {

@@ -22,7 +22,7 @@ struct ValidationRecord {
   std::string row;    ///< figures, comma separated, in the order of log_columns()
 };
 
-/// Trains one network:
+/// Trains one network, or several as one list (nn::clip_network_norms tells them apart):
 ///
 ///   step k: samples batch k ... batch (k + 1) - 1, one tape each  ->  mean gradient, clipped  ->
 ///   AdamW with a cosine rate  ->  running average of the weights

@@ -2,15 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 namespace imslam::nn {
+namespace {
+
+template <typename S>
+double square_sum(const Tensor<S>& gradient) {
+  return gradient.array().template cast<double>().square().sum();
+}
+
+/// What stands before the first '/'; nothing if there is none.
+std::string_view network_of(std::string_view parameter) {
+  const std::size_t slash = parameter.find('/');
+  return slash == std::string_view::npos ? std::string_view() : parameter.substr(0, slash);
+}
+
+}  // namespace
 
 template <typename S>
 double global_norm(const Gradients<S>& gradients) {
   double sum = 0.0;
-  for (const Tensor<S>& gradient : gradients) {
-    sum += gradient.array().template cast<double>().square().sum();
-  }
+  for (const Tensor<S>& gradient : gradients) sum += square_sum(gradient);
   return std::sqrt(sum);
 }
 
@@ -20,6 +33,27 @@ double clip_global_norm(Gradients<S>& gradients, double largest) {
   const double norm = global_norm(gradients);
   if (!std::isfinite(norm) || norm <= largest) return norm;
   for (Tensor<S>& gradient : gradients) gradient.array() *= S(largest / norm);
+  return norm;
+}
+
+template <typename S>
+double clip_network_norms(const ParameterList<S>& parameters,
+                          Gradients<S>& gradients,
+                          double largest) {
+  expects(largest > 0.0, "clip_network_norms: the largest norm must be positive");
+  expects(gradients.size() == parameters.count(), "clip_network_norms: a gradient per parameter");
+  const double norm = global_norm(gradients);
+  if (!std::isfinite(norm) || norm <= largest) return norm;
+  for (std::size_t first = 0, end = 0; first < gradients.size(); first = end) {
+    const std::string_view network = network_of(parameters[first].name);
+    double sum = 0.0;
+    for (; end < gradients.size() && network_of(parameters[end].name) == network; ++end) {
+      sum += square_sum(gradients[end]);
+    }
+    const double own = std::sqrt(sum);
+    if (own <= largest) continue;
+    for (std::size_t i = first; i < end; ++i) gradients[i].array() *= S(largest / own);
+  }
   return norm;
 }
 
@@ -51,9 +85,10 @@ void WeightAverage<S>::restore(std::int64_t updates, std::vector<Tensor<S>> aver
   averages_ = std::move(averages);
 }
 
-#define INSTANTIATE(S)                                     \
-  template double global_norm(const Gradients<S>&);        \
-  template double clip_global_norm(Gradients<S>&, double); \
+#define INSTANTIATE(S)                                                                \
+  template double global_norm(const Gradients<S>&);                                   \
+  template double clip_global_norm(Gradients<S>&, double);                            \
+  template double clip_network_norms(const ParameterList<S>&, Gradients<S>&, double); \
   template class WeightAverage<S>;
 INSTANTIATE(float)
 INSTANTIATE(double)

@@ -16,6 +16,14 @@ double global_norm(const Gradients<S>& gradients);
 template <typename S>
 double clip_global_norm(Gradients<S>& gradients, double largest);
 
+/// The same for each network of a joint list by itself, so that one with large gradients does not
+/// hold up the others: "imu_network/last.weight" is of "imu_network", names without '/' are of one
+/// network. Returns the norm of all before.
+template <typename S>
+double clip_network_norms(const ParameterList<S>& parameters,
+                          Gradients<S>& gradients,
+                          double largest);
+
 /// A slowly following copy of the weights, often better than the last ones:
 ///   average <- decay average + (1 - decay) value     with decay_t = min(decay, (1 + t) / (10 + t))
 /// so that the first weights do not weigh on it for long.

@@ -186,6 +186,27 @@ TEST(Gradients, AreClippedTogether) {
   EXPECT_TRUE(std::isnan(clip_global_norm(gradients, 1.0)));
 }
 
+TEST(Gradients, OfOneNetworkDoNotHoldUpThoseOfAnother) {
+  Parameter<float> loud(Shape{1});
+  Parameter<float> loud_too(Shape{1});
+  Parameter<float> quiet(Shape{1});
+  ParameterList<float> list;
+  list.add("imu_network/weight", loud);
+  list.add("imu_network/bias", loud_too);
+  list.add("motion_noise/weight", quiet);
+  Gradients<float> gradients = zero_gradients(list);
+  gradients[0][0] = 30.0F;
+  gradients[1][0] = 40.0F;
+  gradients[2][0] = 0.5F;
+  EXPECT_NEAR(clip_network_norms(list, gradients, 5.0), std::hypot(50.0, 0.5), 1e-9);
+  EXPECT_FLOAT_EQ(gradients[0][0], 3.0F);
+  EXPECT_FLOAT_EQ(gradients[1][0], 4.0F);
+  EXPECT_EQ(gradients[2][0], 0.5F);
+  gradients[2][0] = std::nanf("");
+  EXPECT_TRUE(std::isnan(clip_network_norms(list, gradients, 1.0)));
+  EXPECT_FLOAT_EQ(gradients[0][0], 3.0F);
+}
+
 TEST(WeightAverage, FollowsSlowlyAndSwapsBackAndForth) {
   OneWeight<double> w(1.0);
   WeightAverage<double> average(0.5);
