@@ -27,6 +27,7 @@ struct CheckedRun {
   double ate_m(const char* part = "graph") const {
     return metrics.at(part).at("ate_se3_rmse_m").get<double>();
   }
+  double error_m(const char* key) const { return metrics.at("graph").at(key).get<double>(); }
   int counter(const char* name) const { return metrics.at("counters").at(name).get<int>(); }
 };
 
@@ -191,14 +192,12 @@ inline const CheckedRun& clean_run() {
 /// hide what the damage costs.
 constexpr std::array<const char*, 2> kErrorKeys = {"ate_se3_rmse_m", "ate_sim3_rmse_m"};
 
-/// A spoiled run's error over that of the unspoiled one. Below a millimetre, whatever the length of
-/// the path, a ratio would compare luck with luck.
+/// Below a millimetre, whatever the length of the path, a ratio would compare luck with luck.
+constexpr double kErrorFloor_m = 1e-3;
+
+/// A spoiled run's error over that of the unspoiled one.
 inline double error_ratio(const char* key, const CheckedRun& spoiled, const CheckedRun& clean) {
-  constexpr double kFloor_m = 1e-3;
-  const auto error_m = [&](const CheckedRun& r) {
-    return r.metrics.at("graph").at(key).get<double>();
-  };
-  return error_m(spoiled) / std::max(error_m(clean), kFloor_m);
+  return spoiled.error_m(key) / std::max(clean.error_m(key), kErrorFloor_m);
 }
 
 /// Holds the errors of a spoiled run against `factor` times those of the unspoiled one. The ratios
