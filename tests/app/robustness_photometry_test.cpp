@@ -16,10 +16,8 @@ using testing::expect_pooled_error_within;
 using testing::run_checked;
 using testing::TempDir;
 
-/// The aim is 1.5. These rows the klt front end does not hold, or not surely: over ten recordings
-/// blur costs 1.5 and noise 1.4, over five of them up to 1.7.
+/// The aim is 1.5. These rows the klt front end does not hold.
 double bound_of(const std::string& name) {
-  if (name == "Blur" || name == "Noise") return 2.0;
   if (name == "Blots") return 8.0;
   if (name == "DirtyLens") return 4.0;
   return 1.5;
