@@ -51,7 +51,7 @@ inline void train(vo::MatchNetwork<float>& network,
           return match_loss(tape, match, cast_truth<float>(s.truth)).total;
         },
         gradients);
-    nn::clip_global_norm(gradients, 5.0);
+    nn::clip_network_norms(parameters, gradients, 5.0);
     optimizer.step(parameters, gradients, schedule.rate(step));
   }
 }

@@ -28,15 +28,6 @@ double global_norm(const Gradients<S>& gradients) {
 }
 
 template <typename S>
-double clip_global_norm(Gradients<S>& gradients, double largest) {
-  expects(largest > 0.0, "clip_global_norm: the largest norm must be positive");
-  const double norm = global_norm(gradients);
-  if (!std::isfinite(norm) || norm <= largest) return norm;
-  for (Tensor<S>& gradient : gradients) gradient.array() *= S(largest / norm);
-  return norm;
-}
-
-template <typename S>
 double clip_network_norms(const ParameterList<S>& parameters,
                           Gradients<S>& gradients,
                           double largest) {
@@ -87,7 +78,6 @@ void WeightAverage<S>::restore(std::int64_t updates, std::vector<Tensor<S>> aver
 
 #define INSTANTIATE(S)                                                                \
   template double global_norm(const Gradients<S>&);                                   \
-  template double clip_global_norm(Gradients<S>&, double);                            \
   template double clip_network_norms(const ParameterList<S>&, Gradients<S>&, double); \
   template class WeightAverage<S>;
 INSTANTIATE(float)

@@ -11,14 +11,10 @@ namespace imslam::nn {
 template <typename S>
 double global_norm(const Gradients<S>& gradients);
 
-/// Scales all gradients by the same factor so that their global norm is at most `largest`. Returns
-/// the norm before. If it is not finite the gradients are left as they are: skip the step.
-template <typename S>
-double clip_global_norm(Gradients<S>& gradients, double largest);
-
-/// The same for each network of a joint list by itself, so that one with large gradients does not
-/// hold up the others: "imu_network/last.weight" is of "imu_network", names without '/' are of one
-/// network. Returns the norm of all before.
+/// Scales the gradients of each network by one factor so that their norm is at most `largest`; by
+/// itself, so that one with large gradients does not hold up the others of a joint list:
+/// "imu_network/last.weight" is of "imu_network", names without '/' are of one network. Returns the
+/// global norm before. If it is not finite the gradients are left as they are: skip the step.
 template <typename S>
 double clip_network_norms(const ParameterList<S>& parameters,
                           Gradients<S>& gradients,

@@ -18,7 +18,7 @@ struct OptimizerState {
 /// Changes parameters against their gradients. w: weight, g: gradient, a: learning rate.
 ///
 /// Parameters that are not trainable are left alone. Non-finite gradients are the caller's business
-/// (clip_global_norm reports them).
+/// (clip_network_norms reports them).
 template <typename S>
 class Optimizer {
  public:

@@ -177,13 +177,13 @@ TEST(Gradients, AreClippedTogether) {
   Gradients<float> gradients = zero_gradients(w.list);
   gradients[0][0] = 3.0F;
   gradients[1][0] = 4.0F;
-  EXPECT_DOUBLE_EQ(clip_global_norm(gradients, 10.0), 5.0);
+  EXPECT_DOUBLE_EQ(clip_network_norms(w.list, gradients, 10.0), 5.0);
   EXPECT_EQ(gradients[0][0], 3.0F);
-  EXPECT_DOUBLE_EQ(clip_global_norm(gradients, 1.0), 5.0);
+  EXPECT_DOUBLE_EQ(clip_network_norms(w.list, gradients, 1.0), 5.0);
   EXPECT_FLOAT_EQ(gradients[0][0], 0.6F);
   EXPECT_NEAR(global_norm(gradients), 1.0, 1e-6);
   gradients[0][0] = std::nanf("");
-  EXPECT_TRUE(std::isnan(clip_global_norm(gradients, 1.0)));
+  EXPECT_TRUE(std::isnan(clip_network_norms(w.list, gradients, 1.0)));
 }
 
 TEST(Gradients, OfOneNetworkDoNotHoldUpThoseOfAnother) {

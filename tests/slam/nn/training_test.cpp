@@ -109,7 +109,7 @@ Outcome train(int threads, int tapes, int steps) {
       return mean(tape, squared_error(tape, y, tape.constant(sample.velocity)));
     };
     const double loss = batches.run(kBatch, loss_of, gradients);
-    clip_global_norm(gradients, 1.0);
+    clip_network_norms(network.parameters, gradients, 1.0);
     adam.step(network.parameters, gradients, schedule.rate(step));
     if (step == 0) outcome.first_loss = loss;
     if (step >= steps - 10) outcome.last_loss += loss / 10.0;
