@@ -15,6 +15,13 @@ constexpr int kRounds = 20;
 struct Reading {
   double value;
   double variance;
+  double shared;  // standard deviation of the error that all readings share
+};
+
+/// Weighted mean of the readings.
+struct Mean {
+  double value = 0.0;
+  double variance = 0.0;
 };
 
 double huber_weight(double normalised, double width) {
@@ -62,6 +69,36 @@ double between_variance(const std::vector<Reading>& readings, const std::vector<
   return denominator > 0.0 ? std::max(0.0, (q - freedom) / denominator) : 0.0;
 }
 
+Mean mean_of(const std::vector<Reading>& readings,
+             const std::vector<double>& weights,
+             double tau2) {
+  double sum = 0.0;
+  double shared = 0.0;
+  double information = 0.0;
+  Mean mean;
+  for (std::size_t i = 0; i < readings.size(); ++i) {
+    const Reading& r = readings[i];
+    const double own = weights[i] / (r.variance + tau2);
+    const double w = weights[i] / (r.variance + tau2 + r.shared * r.shared);
+    information += own;
+    sum += w;
+    shared += w * r.shared;
+    mean.value += w * r.value;
+  }
+  mean.value /= sum;
+  mean.variance = 1.0 / information + std::pow(shared / sum, 2);
+  return mean;
+}
+
+/// What a prior of that mean and standard deviation leaves of it.
+DisparityOffsetEstimate with_prior(const Mean& mean, double prior, double prior_sigma) {
+  const double information = 1.0 / mean.variance + 1.0 / (prior_sigma * prior_sigma);
+  DisparityOffsetEstimate estimate;
+  estimate.offset_px = prior + (mean.value - prior) / (mean.variance * information);
+  estimate.sigma_px = std::sqrt(1.0 / information);
+  return estimate;
+}
+
 }  // namespace
 
 RelativeMotion with_disparity_offset(const RelativeMotion& motion, double offset_px) {
@@ -77,6 +114,8 @@ void DisparityOffsetOptions::describe(Config& config) {
   config.field("block", block, "frames averaged before the scatter is judged");
   config.field("prior", prior, "offset to expect [px]");
   config.field("prior_sigma", prior_sigma, "how far from that it may be [px]");
+  config.field("systematic", systematic,
+               "error that all frames share, of what one point alone would have");
   config.field("kernel_width", kernel_width, "blocks beyond count less [standard deviations]");
 }
 
@@ -84,6 +123,7 @@ void DisparityOffsetOptions::validate() const {
   require(block >= 1, "vo.offset.block", block, ">= 1");
   require(std::isfinite(prior), "vo.offset.prior", prior, "finite");
   require(prior_sigma > 0.0, "vo.offset.prior_sigma", prior_sigma, "> 0");
+  require(systematic >= 0.0 && systematic <= 1.0, "vo.offset.systematic", systematic, "0 .. 1");
   require(kernel_width > 0.0, "vo.offset.kernel_width", kernel_width, "> 0");
 }
 
@@ -98,6 +138,7 @@ void DisparityOffsetEstimator::add(const PoseLayerResult& result) {
   Block& block = blocks_.back();
   block.information += h;
   block.weighted += h * result.disparity_offset - result.offset_gradient;
+  block.points += static_cast<double>(result.inliers);
   ++block.frames;
   ++frames_;
 }
@@ -107,6 +148,7 @@ void DisparityOffsetEstimator::merge_pairs() {
   for (std::size_t i = 0; i + 1 < blocks_.size(); i += 2) {
     merged.push_back({blocks_[i].information + blocks_[i + 1].information,
                       blocks_[i].weighted + blocks_[i + 1].weighted,
+                      blocks_[i].points + blocks_[i + 1].points,
                       blocks_[i].frames + blocks_[i + 1].frames});
   }
   blocks_ = std::move(merged);
@@ -115,33 +157,29 @@ void DisparityOffsetEstimator::merge_pairs() {
 
 DisparityOffsetEstimate DisparityOffsetEstimator::estimate() const {
   DisparityOffsetEstimate estimate;
-  estimate.frames = frames_;
-  const double prior = 1.0 / (options_.prior_sigma * options_.prior_sigma);
   estimate.offset_px = options_.prior;
   estimate.sigma_px = options_.prior_sigma;
+  estimate.frames = frames_;
   if (blocks_.size() < 2) return estimate;  // scatter cannot be judged
 
   std::vector<Reading> readings;
-  for (const Block& b : blocks_)
-    readings.push_back({b.weighted / b.information, 1.0 / b.information});
+  for (const Block& b : blocks_) {
+    readings.push_back({b.weighted / b.information, 1.0 / b.information,
+                        options_.systematic * std::sqrt(b.points / b.information)});
+  }
   std::vector<double> weights = weights_around_median(readings, options_.kernel_width);
+  Mean mean;
   for (int round = 0; round < kRounds; ++round) {
     const double tau2 = between_variance(readings, weights);
-    double information = prior;
-    double weighted = prior * options_.prior;
-    for (std::size_t i = 0; i < readings.size(); ++i) {
-      const double w = weights[i] / (readings[i].variance + tau2);
-      information += w;
-      weighted += w * readings[i].value;
-    }
-    estimate.offset_px = weighted / information;
-    estimate.sigma_px = std::sqrt(1.0 / information);
+    mean = mean_of(readings, weights, tau2);
     for (std::size_t i = 0; i < readings.size(); ++i) {
       const double deviation =
-          (readings[i].value - estimate.offset_px) / std::sqrt(readings[i].variance + tau2);
+          (readings[i].value - mean.value) / std::sqrt(readings[i].variance + tau2);
       weights[i] = huber_weight(deviation, options_.kernel_width);
     }
   }
+  estimate = with_prior(mean, options_.prior, options_.prior_sigma);
+  estimate.frames = frames_;
   return estimate;
 }
 

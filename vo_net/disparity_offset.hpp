@@ -12,7 +12,7 @@ namespace imslam::vo {
 /// rectification.
 struct DisparityOffsetEstimate {
   double offset_px = 0.0;
-  double sigma_px = 1.0;  ///< standard deviation, scatter between scenes included
+  double sigma_px = 1.0;  ///< standard deviation, scatter and what all frames share included
   int frames = 0;
 };
 
@@ -23,7 +23,8 @@ RelativeMotion with_disparity_offset(const RelativeMotion& motion, double offset
 struct DisparityOffsetOptions {
   int block = 10;             ///< [frames] that share a scene, averaged before scatter is judged
   double prior = 0.0;         ///< [px] the offset to expect before anything was seen
-  double prior_sigma = 1.0;   ///< [px] and how far from that it may be
+  double prior_sigma = 0.25;  ///< [px] and how far from that it may be
+  double systematic = 0.03;   ///< [1] what all frames share of a single point's error
   double kernel_width = 2.0;  ///< [standard deviations] blocks beyond count less
 
   void describe(Config& config);
@@ -36,10 +37,12 @@ struct DisparityOffsetOptions {
 /// scene share errors of matching and of the lens model, which h_i does not know. So frames are
 /// averaged over blocks, and the blocks combined as in a random-effects model,
 ///
-///   x_b ~ N(offset, 1/h_b + tau^2),
+///   x_b = offset + s_b z + N(0, 1/h_b + tau^2),   z ~ N(0, 1),   s_b = systematic sqrt(n_b / h_b)
 ///
 /// the variance tau^2 between blocks being estimated by moments (DerSimonian & Laird,
-/// "Meta-analysis in clinical trials", 1986), with Huber weights on the blocks and a prior.
+/// "Meta-analysis in clinical trials", 1986), with Huber weights on the blocks and a prior. z is
+/// one for all blocks: matches in blur or darkness are a little too short, which looks like an
+/// offset and does not average out; n_b points that would each know it to sqrt(n_b / h_b).
 class DisparityOffsetEstimator {
  public:
   explicit DisparityOffsetEstimator(const DisparityOffsetOptions& options) : options_(options) {}
@@ -53,6 +56,7 @@ class DisparityOffsetEstimator {
   struct Block {
     double information = 0.0;
     double weighted = 0.0;  ///< sum h_i x_i
+    double points = 0.0;    ///< sum n_i
     int frames = 0;
   };
   void merge_pairs();

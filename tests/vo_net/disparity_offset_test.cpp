@@ -10,10 +10,11 @@ namespace imslam::vo {
 namespace {
 
 /// A frame that measured `value` with standard deviation `sigma`, solved at `solved_at`.
-PoseLayerResult frame(double value, double sigma, double solved_at = 0.0) {
+PoseLayerResult frame(double value, double sigma, double solved_at = 0.0, int points = 0) {
   PoseLayerResult result;
   result.valid = true;
   result.disparity_offset = solved_at;
+  result.inliers = points;
   result.offset_information = 1.0 / (sigma * sigma);
   result.offset_gradient = -(value - solved_at) / (sigma * sigma);
   return result;
@@ -68,6 +69,27 @@ TEST(DisparityOffset, SaysNothingBeforeItHasSeenSomething) {
   EXPECT_EQ(estimator.estimate().offset_px, 0.0);
   EXPECT_EQ(estimator.estimate().sigma_px, DisparityOffsetOptions().prior_sigma);
   EXPECT_EQ(estimator.estimate().frames, 0);
+}
+
+TEST(DisparityOffset, WhatBadMatchesShareIsNotTakenForAnOffset) {
+  DisparityOffsetEstimator estimator{DisparityOffsetOptions()};
+  Random random(35);
+  for (int i = 0; i < 200; ++i) estimator.add(frame(-0.3 + 0.4 * random.normal(), 0.4, 0.0, 600));
+  EXPECT_LT(std::abs(estimator.estimate().offset_px), 0.15);
+  EXPECT_GT(estimator.estimate().sigma_px, 0.15);
+}
+
+TEST(DisparityOffset, ClearScenesDecide) {
+  DisparityOffsetEstimator estimator{DisparityOffsetOptions()};
+  Random random(36);
+  for (int i = 0; i < 200; ++i) {
+    const bool blurred = i >= 100;
+    const double sigma = blurred ? 0.4 : 0.04;
+    const double value = (blurred ? -0.3 : 0.1) + sigma * random.normal();
+    estimator.add(frame(value, sigma, 0.0, 600));
+  }
+  EXPECT_NEAR(estimator.estimate().offset_px, 0.1, 0.03);
+  EXPECT_LT(estimator.estimate().sigma_px, 0.05);
 }
 
 TEST(DisparityOffset, LongRunsKeepTheirPrecision) {
