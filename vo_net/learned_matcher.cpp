@@ -16,7 +16,7 @@
 namespace imslam::vo {
 namespace {
 
-constexpr int kLevels = 2;              // corners are looked for at half size
+constexpr int kLevels = 2;              // at least: corners are looked for at half size
 constexpr double kMinSurvivors = 0.3;   // fewer: the prediction may have been wrong
 constexpr double kHard = 0.5;           // share of polished matches: fewer need a closer look,
 constexpr double kEasyAgain = 0.65;     // with more the coarse one is enough again
@@ -115,7 +115,7 @@ void LearnedMatcher::State::judge_effort(const Arrivals& arrivals) {
   const auto arrived =
       std::count_if(arrivals.begin(), arrivals.end(), [](const auto& a) { return a.has_value(); });
   const auto polished = std::count_if(arrivals.begin(), arrivals.end(),
-                                      [](const auto& a) { return a && !a->learned; });
+                                      [](const auto& a) { return a && !a->learned && !a->coarse; });
   const double share =
       arrived == 0 ? 0.0 : static_cast<double>(polished) / static_cast<double>(arrived);
   is_hard_ = share < (is_hard_ ? kEasyAgain : kHard);
@@ -125,6 +125,8 @@ Arrival LearnedMatcher::State::refine_flow(const Eigen::Vector2d& left0,
                                            const NetworkAnswer& answer) const {
   const auto better = polish_.polish(left_before_, left0, left_, answer);
   if (better) return {better->position, better->covariance, answer.confidence, false};
+  const auto coarse = polish_.polish_coarse(left_before_, left0, left_, answer);
+  if (coarse) return {coarse->position, coarse->covariance, answer.confidence, false, true};
   return {left0 + answer.displacement, answer.covariance, answer.confidence, true};
 }
 
@@ -239,8 +241,9 @@ MatchResult LearnedMatcher::State::match(const StereoFrame& frame, const lie::SE
   std::swap(left_, left_before_);
   time_before_ns_ = std::exchange(time_ns_, frame.time_ns);
   tracks_before_ = tracks_;
+  const int levels = std::max(kLevels, options.coarse_polish + 1);
   parallel_for(2, [&](std::size_t i) {
-    if (i == 0) left_.build(frame.left, kLevels, options.smoothing);
+    if (i == 0) left_.build(frame.left, levels, options.smoothing);
     if (i == 1) right_.build(frame.right, 1, options.smoothing);
   });
   search_ = {Eigen::Vector2d::Zero(), shrink()};

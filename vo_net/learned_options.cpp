@@ -15,6 +15,8 @@ void LearnedMatcherOptions::describe(Config& config) {
   config.field("max_width_hard", max_width_hard, "likewise in blurred, dark or noisy frames [px]");
   config.field("min_contrast", min_contrast, "less around a point shows nothing [grey levels]");
   config.field("polish", polish, "Lucas-Kanade at full size, from the network's answer");
+  config.field("coarse_polish", coarse_polish,
+               "then at half size, quarter size ...: how many times smaller at most [halvings]");
   config.field("polish_window", polish_window,
                "side of its patches [px], odd; 0: by the image's width");
   config.field("max_polish_sigma", max_polish_sigma, "less certain matches are not polished [px]");
@@ -34,6 +36,8 @@ void LearnedMatcherOptions::validate() const {
   require(max_width_hard >= 64, "vo.learned.max_width_hard", max_width_hard, ">= 64");
   require(min_contrast > 0.0 && min_contrast <= 100.0, "vo.learned.min_contrast", min_contrast,
           "0 .. 100, not 0");
+  require(coarse_polish >= 0 && coarse_polish <= 4, "vo.learned.coarse_polish", coarse_polish,
+          "0 .. 4");
   require(polish_window == 0 || (polish_window >= 5 && polish_window <= PatchTemplate::kMaxWindow &&
                                  polish_window % 2 == 1),
           "vo.learned.polish_window", polish_window, "an odd number in 5 .. 23, or 0");

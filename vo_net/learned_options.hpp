@@ -15,6 +15,7 @@ struct LearnedMatcherOptions {
   double min_contrast = 0.5;    ///< [grey levels] around a point: less shows nothing
 
   bool polish = true;                   ///< Lucas-Kanade at full size, from the network's answer
+  int coarse_polish = 2;                ///< halvings of the images, where full size does not help
   int polish_window = 0;                ///< [px] odd, <= 23; 0: by the image's width
   double max_polish_sigma = 3.0;        ///< [px] matches less certain than that stay as they are
   double max_polish_move = 3.0;         ///< [px] farther away is something else

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "vo_net/warped_patch.hpp"
+
 namespace imslam::vo {
 namespace {
 
@@ -34,11 +36,31 @@ std::optional<Alignment> MatchPolish::polish(const ImagePyramid& from,
   if (!options_.polish || larger_variance(answer.covariance) > largest) return std::nullopt;
   const Eigen::Vector2d start = center + answer.displacement;
   const Alignment found = align_patch(from, center, to, start, 0, align_, false);
-  if (!found.found || found.correlation < options_.min_polish_correlation ||
-      (found.position - start).norm() > options_.max_polish_move) {
-    return std::nullopt;
+  return accepts(found, start, 1.0) ? std::optional(found) : std::nullopt;
+}
+
+std::optional<Alignment> MatchPolish::polish_coarse(const ImagePyramid& from,
+                                                    const Eigen::Vector2d& center,
+                                                    const ImagePyramid& to,
+                                                    const NetworkAnswer& answer) const {
+  if (!options_.polish) return std::nullopt;
+  const Eigen::Vector2d start = center + answer.displacement;
+  for (int level = 1; level <= options_.coarse_polish; ++level) {
+    const double scale = std::pow(2.0, level);
+    if (larger_variance(answer.covariance) > std::pow(scale * options_.max_polish_sigma, 2)) {
+      continue;
+    }
+    const Alignment found = align_warped(from, {center, start}, to, start, level, level, align_);
+    if (accepts(found, start, scale)) return found;
   }
-  return found;
+  return std::nullopt;
+}
+
+bool MatchPolish::accepts(const Alignment& found,
+                          const Eigen::Vector2d& start,
+                          double scale) const {
+  return found.found && found.correlation >= options_.min_polish_correlation &&
+         (found.position - start).norm() <= scale * options_.max_polish_move;
 }
 
 bool MatchPolish::shows_something(const ImagePyramid& image, const Eigen::Vector2d& p) const {

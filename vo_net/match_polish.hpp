@@ -21,10 +21,19 @@ class MatchPolish {
                                   const ImagePyramid& to,
                                   const NetworkAnswer& answer) const;
 
+  /// The same on images of half and quarter size, whose blur and noise are that much less; limits
+  /// and covariance grow along. For answers that polish() leaves alone.
+  std::optional<Alignment> polish_coarse(const ImagePyramid& from,
+                                         const Eigen::Vector2d& center,
+                                         const ImagePyramid& to,
+                                         const NetworkAnswer& answer) const;
+
   /// Whether there is anything to see around p: black, white and blank walls match anything.
   bool shows_something(const ImagePyramid& image, const Eigen::Vector2d& p) const;
 
  private:
+  bool accepts(const Alignment& found, const Eigen::Vector2d& start, double scale) const;
+
   LearnedMatcherOptions options_;
   AlignOptions align_;
 };

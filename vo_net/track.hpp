@@ -32,6 +32,7 @@ struct Arrival {
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Identity();  ///< [px^2]
   double confidence = 1.0;                                   ///< [1] that it is the same point
   bool learned = false;                                      ///< the answer of a network
+  bool coarse = false;                                       ///< found in shrunken images
 };
 
 /// [u v disparity] after the motion; the point itself where it would be behind the camera.

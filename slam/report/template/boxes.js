@@ -15,7 +15,7 @@ function boxGlyph(box, name, x, width, y) {
 function showBoxes() {
   const rows = (data.rpe || []).filter((row) => row.graph || row.vo);
   if (rows.length === 0) return;
-  const [W, H, left, bottom, top] = [600, 300, 54, 38, 12];
+  const [W, H, left, bottom, top] = [600, 540, 54, 38, 12];  // as tall as the table beside it
   const highest = Math.max(...rows.flatMap((row) => [row.graph, row.vo]).filter(Boolean).map((box) => box.high), 1e-9) * 1.06;
   const small = highest < 0.2;
   const y = (value) => H - bottom - (H - bottom - top) * value / highest;
