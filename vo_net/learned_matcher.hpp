@@ -16,7 +16,9 @@ namespace imslam::vo {
 ///   network: displacement, 2x2 covariance, confidence of every point; the predicted motion only
 ///       says where to search
 ///   Lucas-Kanade at full size from the network's answer where that is precise enough. What it
-///       finds nearby replaces the answer, with the covariance of its texture and residual.
+///       finds nearby replaces the answer, with the covariance of its texture and residual
+///   for displacements over time where full size does not help, the same at half or quarter size,
+///       where blur and noise are that much less: the network's own answers are a little short
 ///
 /// The network sees shrunken images as long as Lucas-Kanade can go on from its answers, and whole
 /// ones from the next frame on where it seldom can: in blur, noise and darkness.
