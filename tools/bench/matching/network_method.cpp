@@ -4,7 +4,7 @@
 #include "slam/nn/weights_io.hpp"
 #include "tools/bench/matching/method.hpp"
 #include "vo_net/match_network.hpp"
-#include "vo_net/patch_aligner.hpp"
+#include "vo_net/match_polish.hpp"
 
 namespace imslam::bench {
 namespace {
@@ -18,8 +18,6 @@ using vo::MatchKind;
 using Points = std::vector<Eigen::Vector2d>;
 
 constexpr double kConfident = 0.5;
-constexpr double kMaxPolish = 1.5;   // [px]
-constexpr double kSmallScale = 1.0;  // [px]
 
 nn::Tensor<float> tensor_of(const GrayImage& image) {
   nn::Tensor<float> tensor({1, image.height, image.width, 1});
@@ -63,36 +61,41 @@ PointMatch match_of(const Tape<float>& tape,
   return match;
 }
 
-/// Lucas-Kanade at full size from where the network thinks the point is.
+/// The polish of the front end, from where the network thinks the point is.
 class Polisher {
  public:
-  Polisher(MatchKind kind, const GrayImage& image0, const GrayImage& image1) : kind_(kind) {
-    from_.build(image0, 1, kSmoothing);
-    to_.build(image1, 1, kSmoothing);
-    options_.smoothing = kSmoothing;
+  Polisher(MatchKind kind, const GrayImage& image0, const GrayImage& image1)
+      : kind_(kind),
+        options_(vo::LearnedMatcherOptions().for_width(image0.width)),
+        polish_(options_) {
+    const int levels = options_.coarse_polish + 1;
+    from_.build(image0, levels, options_.smoothing);
+    to_.build(image1, levels, options_.smoothing);
   }
 
   PointMatch polished(PointMatch match, const Eigen::Vector2d& point) const {
-    const Eigen::Matrix2d& scale = match.uncertainty->scale;
-    const double widest =
-        kind_ == MatchKind::kFlow ? std::max(scale(0, 0), scale(1, 1)) : scale(0, 0);
+    const bool stereo = kind_ == MatchKind::kStereo;
+    vo::NetworkAnswer said;
+    said.displacement = match.displacement;
+    said.covariance = kVariancePerScale * match.uncertainty->scale;
+    if (stereo) said.covariance(1, 1) = 0.0;
     match.uncertainty.reset();  // it spoke of the place before
-    if (!(widest < kSmallScale * kSmallScale)) return match;
-    const Eigen::Vector2d start = point + match.displacement;
-    const vo::Alignment there =
-        align_patch(from_, point, to_, start, 0, options_, kind_ == MatchKind::kStereo);
-    if (there.found && (there.position - start).norm() < kMaxPolish) {
-      match.displacement = there.position - point;
-    }
+    auto better = polish_.polish(from_, point, to_, said);
+    if (!better && !stereo) better = polish_.polish_coarse(from_, point, to_, said);
+    if (!better) return match;
+    const Eigen::Vector2d displacement = better->position - point;
+    if (stereo && std::abs(displacement.y()) > options_.max_row_error) return match;
+    match.displacement = stereo ? Eigen::Vector2d(displacement.x(), 0.0) : displacement;
     return match;
   }
 
  private:
-  static constexpr double kSmoothing = 0.8;  // [px] as KLT
+  static constexpr double kVariancePerScale = 3.0;  // of Student's t with 3 degrees of freedom
 
   MatchKind kind_;
+  vo::LearnedMatcherOptions options_;
+  vo::MatchPolish polish_;
   ImagePyramid from_, to_;
-  vo::AlignOptions options_;
 };
 
 class NetworkMethod final : public Method {
