@@ -24,7 +24,7 @@ struct DisparityOffsetOptions {
   int block = 10;             ///< [frames] that share a scene, averaged before scatter is judged
   double prior = 0.0;         ///< [px] the offset to expect before anything was seen
   double prior_sigma = 0.25;  ///< [px] and how far from that it may be
-  double systematic = 0.03;   ///< [1] what all frames share of a single point's error
+  double systematic = 0.015;  ///< [1] sigma of what all frames share, of a single point's
   double kernel_width = 2.0;  ///< [standard deviations] blocks beyond count less
 
   void describe(Config& config);

@@ -20,10 +20,6 @@ using testing::TempDir;
 double bound_of(const std::string& name) {
   if (name == "Blots") return 8.0;
   if (name == "DirtyLens") return 4.0;
-  // It costs 1.6: since the disparity offset knows what all frames share, unspoiled runs are better
-  // by a quarter (RMS 2.7 instead of 3.6 mm), blurred ones by 7 % (4.35 instead of 4.67 mm). Which
-  // of the two gains more varies with the processor.
-  if (name == "Blur") return 2.0;
   return 1.5;
 }
 

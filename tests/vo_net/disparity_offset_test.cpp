@@ -72,7 +72,9 @@ TEST(DisparityOffset, SaysNothingBeforeItHasSeenSomething) {
 }
 
 TEST(DisparityOffset, WhatBadMatchesShareIsNotTakenForAnOffset) {
-  DisparityOffsetEstimator estimator{DisparityOffsetOptions()};
+  DisparityOffsetOptions options;
+  options.systematic = 0.03;
+  DisparityOffsetEstimator estimator{options};
   Random random(35);
   for (int i = 0; i < 200; ++i) estimator.add(frame(-0.3 + 0.4 * random.normal(), 0.4, 0.0, 600));
   EXPECT_LT(std::abs(estimator.estimate().offset_px), 0.15);
