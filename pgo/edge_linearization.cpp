@@ -10,10 +10,11 @@ const State& state_at(const GraphData& data, int state) {
 }  // namespace
 
 RelativePoseFactor::Linearization linearize(const VisualEdge& edge, const GraphData& data) {
-  return RelativePoseFactor(edge.motion, edge.sqrt_information)
+  const Globals& globals = data.globals;
+  return RelativePoseFactor(edge.motion, edge.sqrt_information, data.T_body_left)
       .linearize(state_at(data, edge.from).nav.T_world_body,
-                 state_at(data, edge.to).nav.T_world_body, data.globals.disparity_offset,
-                 data.globals.focal_error);
+                 state_at(data, edge.to).nav.T_world_body,
+                 {globals.disparity_offset, globals.focal_error, globals.camera_rotation});
 }
 
 ImuFactor::Linearization linearize(const InertialEdge& edge,

@@ -23,6 +23,8 @@ struct Globals {
   double disparity_offset = 0.0;                                  ///< [px]
   double focal_error = 0.0;    ///< [1], true focal length = (1 + focal_error) stated
   double time_offset_s = 0.0;  ///< [s], t_imu = t_camera + time_offset
+  /// [rad], true R_body_left = stated Exp(camera_rotation).
+  Eigen::Vector3d camera_rotation = Eigen::Vector3d::Zero();
 };
 
 /// A motion that vision measured between two states, consecutive or not.
@@ -77,9 +79,23 @@ struct ScalarPrior {
   double sigma = 0.0;
 };
 
+struct RotationPrior {
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();  ///< [rad]
+  double sigma = 0.0;                               ///< [rad]
+};
+
 /// Names one parameter block of the graph. `state` is ignored for the global ones.
 struct BlockId {
-  enum class Kind { kPose, kVelocity, kBias, kGravity, kDisparityOffset, kFocalError, kTimeOffset };
+  enum class Kind {
+    kPose,
+    kVelocity,
+    kBias,
+    kGravity,
+    kDisparityOffset,
+    kFocalError,
+    kTimeOffset,
+    kCameraRotation
+  };
   Kind kind = Kind::kPose;
   int state = 0;
 
@@ -108,6 +124,7 @@ struct MarginalPrior {
 struct GraphData {
   std::vector<State> states;
   Globals globals;
+  lie::SE3d T_body_left;  ///< as stated; matters to globals.camera_rotation alone
 
   std::vector<VisualEdge> visual_edges;
   std::vector<InertialEdge> inertial_edges;
@@ -119,6 +136,7 @@ struct GraphData {
   std::vector<ScalarPrior> disparity_offset_priors;
   std::vector<ScalarPrior> focal_error_priors;
   std::vector<ScalarPrior> time_offset_priors;
+  std::vector<RotationPrior> camera_rotation_priors;
   MarginalPrior marginal;
 };
 

@@ -74,15 +74,17 @@ void GraphProblem::copy_blocks(const GraphData& data) {
   disparity_offset_ = data.globals.disparity_offset;
   focal_error_ = data.globals.focal_error;
   time_offset_s_ = data.globals.time_offset_s;
+  Eigen::Map<Eigen::Vector3d>(camera_rotation_.data()) = data.globals.camera_rotation;
 }
 
 void GraphProblem::add_visual_edges(const GraphData& data) {
   visual_ids_.reserve(data.visual_edges.size());
   for (const VisualEdge& edge : data.visual_edges) {
-    visual_factors_.emplace_back(edge.motion, edge.sqrt_information);
+    visual_factors_.emplace_back(edge.motion, edge.sqrt_information, data.T_body_left);
     visual_ids_.push_back(problem_->AddResidualBlock(
         &visual_factors_.back(), loss_.get(), poses_[static_cast<std::size_t>(edge.from)].data(),
-        poses_[static_cast<std::size_t>(edge.to)].data(), &disparity_offset_, &focal_error_));
+        poses_[static_cast<std::size_t>(edge.to)].data(), &disparity_offset_, &focal_error_,
+        camera_rotation_.data()));
   }
 }
 
@@ -159,6 +161,10 @@ void GraphProblem::add_global_priors(const GraphData& data) {
   }
   for (const ScalarPrior& prior : data.focal_error_priors) add_scalar(prior, &focal_error_);
   for (const ScalarPrior& prior : data.time_offset_priors) add_scalar(prior, &time_offset_s_);
+  for (const RotationPrior& prior : data.camera_rotation_priors) {
+    add(std::make_unique<VectorPriorFactor<3>>(prior.value, Eigen::Vector3d::Constant(prior.sigma)),
+        camera_rotation_.data());
+  }
 }
 
 void GraphProblem::add_marginal_prior(const GraphData& data) {
@@ -188,6 +194,7 @@ void GraphProblem::hold_globals() {
   hold(&disparity_offset_, options_.estimate_disparity_offset);
   hold(&focal_error_, options_.estimate_focal_error);
   hold(&time_offset_s_, options_.estimate_time_offset);
+  hold(camera_rotation_.data(), options_.estimate_camera_rotation);
 }
 
 double* GraphProblem::block(const BlockId& id) {
@@ -207,6 +214,8 @@ double* GraphProblem::block(const BlockId& id) {
       return &focal_error_;
     case BlockId::Kind::kTimeOffset:
       return &time_offset_s_;
+    case BlockId::Kind::kCameraRotation:
+      return camera_rotation_.data();
   }
   throw ContractError("unknown kind of block");
 }
@@ -218,9 +227,10 @@ bool GraphProblem::estimated(const BlockId& id) {
 
 bool GraphProblem::store(GraphData& data) const {
   const Eigen::Map<const Eigen::Vector3d> gravity(gravity_direction_.data());
+  const Eigen::Map<const Eigen::Vector3d> camera_rotation(camera_rotation_.data());
   if (!all_finite(poses_) || !all_finite(velocities_) || !all_finite(biases_) ||
       !gravity.allFinite() || !std::isfinite(disparity_offset_) || !std::isfinite(focal_error_) ||
-      !std::isfinite(time_offset_s_)) {
+      !std::isfinite(time_offset_s_) || !camera_rotation.allFinite()) {
     return false;
   }
   for (std::size_t i = 0; i < data.states.size(); ++i) {
@@ -234,6 +244,7 @@ bool GraphProblem::store(GraphData& data) const {
   data.globals.disparity_offset = disparity_offset_;
   data.globals.focal_error = focal_error_;
   data.globals.time_offset_s = time_offset_s_;
+  data.globals.camera_rotation = camera_rotation;
   return true;
 }
 

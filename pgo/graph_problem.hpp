@@ -63,6 +63,7 @@ class GraphProblem {
   double disparity_offset_ = 0.0;
   double focal_error_ = 0.0;
   double time_offset_s_ = 0.0;
+  std::array<double, 3> camera_rotation_{};
 
   PoseManifold pose_manifold_;
   ceres::SphereManifold<3> direction_manifold_;

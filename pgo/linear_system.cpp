@@ -12,7 +12,8 @@ std::vector<BlockId> estimated_blocks(GraphProblem& graph, int states) {
   for (int i = 0; i < states; ++i) {
     for (Kind kind : {Kind::kPose, Kind::kVelocity, Kind::kBias}) add(kind, i);
   }
-  for (Kind kind : {Kind::kGravity, Kind::kDisparityOffset, Kind::kFocalError, Kind::kTimeOffset}) {
+  for (Kind kind : {Kind::kGravity, Kind::kDisparityOffset, Kind::kFocalError, Kind::kTimeOffset,
+                    Kind::kCameraRotation}) {
     add(kind, 0);
   }
   return blocks;

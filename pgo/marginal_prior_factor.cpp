@@ -45,6 +45,7 @@ int block_size(Kind kind) {
       return 7;
     case Kind::kVelocity:
     case Kind::kGravity:
+    case Kind::kCameraRotation:
       return 3;
     case Kind::kBias:
       return 6;

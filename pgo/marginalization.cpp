@@ -18,6 +18,7 @@ GraphData factors_of_first_state(const GraphData& data) {
   GraphData part;
   part.states = data.states;
   part.globals = data.globals;
+  part.T_body_left = data.T_body_left;
   part.marginal = data.marginal;
   const auto copy_touching = [](const auto& from, auto& to, const auto& touches) {
     std::copy_if(from.begin(), from.end(), std::back_inserter(to), touches);
@@ -60,6 +61,9 @@ void move_to_first_estimates(GraphData& data) {
         break;
       case BlockId::Kind::kTimeOffset:
         data.globals.time_offset_s = X(0);
+        break;
+      case BlockId::Kind::kCameraRotation:
+        data.globals.camera_rotation = X;
         break;
     }
   }

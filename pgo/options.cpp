@@ -28,6 +28,8 @@ void GraphOptions::describe(Config& config) {
                "estimate how far the focal length is off, from vision's and the gyro's turns");
   config.field("estimate_time_offset", estimate_time_offset,
                "estimate the time offset between camera and IMU");
+  config.field("estimate_camera_rotation", estimate_camera_rotation,
+               "estimate how the camera is turned against the IMU beyond what is stated");
 }
 
 void GraphOptions::validate() const {

@@ -22,6 +22,7 @@ struct GraphOptions {
   bool estimate_disparity_offset = false;  ///< needs motion with parallax
   bool estimate_focal_error = false;       ///< needs turns and a gyro that measures them
   bool estimate_time_offset = false;       ///< camera to IMU; needs changing rates
+  bool estimate_camera_rotation = false;   ///< against the IMU; needs turns, and axes to trust
 
   void describe(Config& config);
   void validate() const;

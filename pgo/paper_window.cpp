@@ -88,9 +88,10 @@ class Window {
     fixed.J_focal_error.setZero();
     const Eigen::Matrix<double, 6, 6> W = weights_.visual * Eigen::Matrix<double, 6, 6>::Identity();
     problem_.AddResidualBlock(new RelativePoseFactor(fixed, W), nullptr, pose(-2), pose(-1),
-                              &no_offset_, &no_focal_error_);
+                              &no_offset_, &no_focal_error_, no_rotation_.data());
     problem_.SetParameterBlockConstant(&no_offset_);
     problem_.SetParameterBlockConstant(&no_focal_error_);
+    problem_.SetParameterBlockConstant(no_rotation_.data());
   }
 
   void add_inertial(const ImuMotion& motion) {
@@ -140,6 +141,7 @@ class Window {
   std::deque<std::array<double, 3>> velocities_;
   double no_offset_ = 0.0;
   double no_focal_error_ = 0.0;
+  std::array<double, 3> no_rotation_{};
   ceres::Problem problem_;
 };
 

@@ -110,10 +110,15 @@ void PoseVelocityGraph::set_state(int state, const State& value) {
 void PoseVelocityGraph::set_globals(const Globals& globals) {
   expects(globals.gravity_direction.allFinite() && globals.gravity_direction.norm() > 1e-6 &&
               std::isfinite(globals.disparity_offset) && std::isfinite(globals.focal_error) &&
-              std::isfinite(globals.time_offset_s),
+              std::isfinite(globals.time_offset_s) && globals.camera_rotation.allFinite(),
           "graph: globals must be finite");
   data_.globals = globals;
   data_.globals.gravity_direction.normalize();
+}
+
+void PoseVelocityGraph::set_camera(const lie::SE3d& T_body_left) {
+  expects(finite(T_body_left), "graph: the camera's pose must be finite");
+  data_.T_body_left = T_body_left;
 }
 
 bool PoseVelocityGraph::add_visual_edge(int from, int to, const RelativeMotion& motion) {
@@ -226,6 +231,12 @@ void PoseVelocityGraph::add_focal_error_prior(double value, double sigma) {
 void PoseVelocityGraph::add_time_offset_prior(double value_s, double sigma_s) {
   expects(std::isfinite(value_s) && sigma_s > 0.0, "graph: a prior needs a positive sigma");
   data_.time_offset_priors.push_back({value_s, sigma_s});
+}
+
+void PoseVelocityGraph::add_camera_rotation_prior(const Eigen::Vector3d& value_rad,
+                                                  double sigma_rad) {
+  expects(value_rad.allFinite() && sigma_rad > 0.0, "graph: a prior needs a positive sigma");
+  data_.camera_rotation_priors.push_back({value_rad, sigma_rad});
 }
 
 }  // namespace imslam::pgo

@@ -16,9 +16,10 @@ using StateCovariance = Eigen::Matrix<double, 15, 15>;
 /// Standard deviations of what is estimated once for the whole graph, all else being unknown too.
 /// Empty: held, or in no factor.
 struct GlobalSigmas {
-  std::optional<double> disparity_offset;  ///< [px]
-  std::optional<double> focal_error;       ///< [1]
-  std::optional<double> time_offset_s;     ///< [s]
+  std::optional<double> disparity_offset;          ///< [px]
+  std::optional<double> focal_error;               ///< [1]
+  std::optional<double> time_offset_s;             ///< [s]
+  std::optional<Eigen::Vector3d> camera_rotation;  ///< [rad]
 };
 
 /// How sure the solution is: entries of the inverse of J^T J there. True where the factors'
@@ -29,7 +30,8 @@ struct GraphUncertainty {
 };
 
 /// The pose-velocity graph: per frame a pose, a velocity and an IMU bias; globally the direction of
-/// gravity, the disparity offset and the camera-IMU time offset.
+/// gravity, the disparity offset, the error of the focal length, and between camera and IMU the
+/// time offset and the error of the stated rotation.
 ///
 ///   solve() moves the states to   argmin  1/2 sum rho(|r_visual|^2) + 1/2 sum |r_other|^2
 ///
@@ -70,6 +72,7 @@ class PoseVelocityGraph {
   void add_disparity_offset_prior(double value_px, double sigma_px);
   void add_focal_error_prior(double value, double sigma);
   void add_time_offset_prior(double value_s, double sigma_s);
+  void add_camera_rotation_prior(const Eigen::Vector3d& value_rad, double sigma_rad);
 
   /// Never throws for numerical reasons; `reason` says what is wrong with an unsolvable graph.
   SolveReport solve(const SolverOptions& options = {});
@@ -93,6 +96,9 @@ class PoseVelocityGraph {
 
   void set_state(int state, const State& value);
   void set_globals(const Globals& globals);
+  /// Where the camera that the visual edges are of sits in the body, as stated: needed if its
+  /// rotation is estimated.
+  void set_camera(const lie::SE3d& T_body_left);
 
   /// The whole graph as plain data, for the other files of this room and for inspection.
   const GraphData& data() const { return data_; }

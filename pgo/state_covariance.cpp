@@ -68,6 +68,13 @@ GlobalSigmas sigmas_of_globals(const LinearSystem& system, const SelectedInverse
       case BlockId::Kind::kTimeOffset:
         sigmas.time_offset_s = sigma();
         break;
+      case BlockId::Kind::kCameraRotation:
+        sigmas.camera_rotation = Eigen::Vector3d::Zero();
+        for (Eigen::Index axis = 0; axis < 3; ++axis) {
+          (*sigmas.camera_rotation)[axis] =
+              std::sqrt(std::max(0.0, inverse(column + axis, column + axis)));
+        }
+        break;
       default:
         break;
     }

@@ -38,9 +38,6 @@ void AdaptationOptions::describe(Config& config) {
                "auto: with the geometric head");
   config.field("camera_rotation", camera_rotation,
                "and of how the camera is turned against the IMU");
-  config.field("trusted_gyro_bias", trusted_gyro_bias,
-               "[rad/s] size of gyro biases up to which the gyro may correct focal length and "
-               "rotation");
   config.field("upper", upper, {"left_out", "joint", "published"},
                "each measurement against what the others foretell, the graph's own cost, or the "
                "published one over vision alone");
@@ -75,7 +72,6 @@ void AdaptationOptions::validate() const {
   vo::require(held_out > 0.0 && held_out <= 0.5, "finetune.held_out", held_out,
               "above 0, at most 0.5");
   vo::require(stretch >= 2, "finetune.stretch", stretch, "2 or more");
-  vo::require(trusted_gyro_bias >= 0.0, "finetune.trusted_gyro_bias", trusted_gyro_bias, ">= 0");
   vo::require(published_weight > 0.0, "finetune.published_weight", published_weight, "> 0");
   if (strategy != "one_step" && upper != "published") {
     throw InputError(

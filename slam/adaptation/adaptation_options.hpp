@@ -32,9 +32,6 @@ struct AdaptationOptions : learner::TrainingOptions {
   /// on, off, or auto: with the geometric head. A head that learns beside it makes both drift.
   std::string calibration = "auto";
   bool camera_rotation = true;  ///< of the camera against the IMU, where calibration is kept
-  /// [rad/s] ImuNoise::gyro_bias_sigma up to which a gyro may correct focal length and rotation:
-  /// units that compensate themselves. Larger for a gyro whose scale and axes were calibrated.
-  double trusted_gyro_bias = 5e-3;
 
   /// Each measurement against the others, joint: U = L, or published: U over vision alone.
   std::string upper = "left_out";

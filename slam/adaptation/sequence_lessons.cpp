@@ -46,8 +46,7 @@ DeviceCalibration SequenceLessons::refined_device() const {
   if (!epoch_->teacher) return networks_.device(device_);
   std::optional<ImuNoise> imu;
   if (request_.sequence.imu()) imu = request_.sequence.imu()->noise;
-  return adaptation::refined_device(result, epoch_->device, request_.sequence.camera(), imu,
-                                    request_.slam, request_.options);
+  return adaptation::refined_device(result, epoch_->device, imu, request_.slam, request_.options);
 }
 
 void SequenceLessons::begin_step() { std::fill(usable_.begin(), usable_.end(), 0); }

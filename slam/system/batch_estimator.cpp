@@ -52,6 +52,7 @@ class BatchEstimator {
     pgo::GraphOptions graph_options = options_.pgo;
     graph_options.estimate_time_offset = false;
     graph_options.estimate_focal_error = false;  // vision alone cannot tell it from the turn
+    graph_options.estimate_camera_rotation = false;
     pgo::PoseVelocityGraph graph = vision_graph(start, graph_options);
     graph.anchor_pose(0, start.front().nav.T_world_body);
     for (std::size_t i = 1; i < start.size(); ++i) {
@@ -64,6 +65,7 @@ class BatchEstimator {
   pgo::PoseVelocityGraph vision_graph(const std::vector<pgo::State>& start,
                                       const pgo::GraphOptions& graph_options) const {
     pgo::PoseVelocityGraph graph(graph_options);
+    graph.set_camera(measurements_.T_body_left);
     for (const pgo::State& state : start) graph.add_state(state);
     for (const RelativeMotion& motion : measurements_.odometry) add_motion(motion, graph);
     for (const RelativeMotion& motion : measurements_.skips) add_motion(motion, graph);
@@ -149,6 +151,9 @@ class BatchEstimator {
     pgo::GraphOptions graph_options = options_.pgo;
     graph_options.gyro_random_walk = measurements_.imu_noise.gyro_random_walk;
     graph_options.accel_random_walk = measurements_.imu_noise.accel_random_walk;
+    graph_options.estimate_camera_rotation =
+        graph_options.estimate_camera_rotation &&
+        measurements_.imu_noise.gyro_bias_sigma <= system.trusted_gyro_bias;
     pgo::PoseVelocityGraph graph = vision_graph(start, graph_options);
     graph.set_globals(globals);
     for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -167,6 +172,7 @@ class BatchEstimator {
     add_bias_beliefs(graph);
     graph.add_focal_error_prior(0.0, system.focal_error_prior);
     graph.add_time_offset_prior(system.time_offset_s, system.time_offset_prior_s);
+    graph.add_camera_rotation_prior(Eigen::Vector3d::Zero(), system.camera_rotation_prior);
     if (system.zero_velocity) hold_still_stretches(motions, graph);
     return graph;
   }
@@ -240,6 +246,9 @@ class BatchEstimator {
     if (graph.options().estimate_focal_error) {
       out_.focal_error = Estimate{globals.focal_error, std::nullopt};
     }
+    if (graph.options().estimate_camera_rotation) {
+      out_.camera_rotation = VectorEstimate{globals.camera_rotation, std::nullopt};
+    }
     if (!options_.system.covariances) return;
     const auto uncertainty = graph.uncertainty();
     if (!uncertainty) return;
@@ -255,6 +264,7 @@ class BatchEstimator {
   void collect_sigmas(const pgo::GlobalSigmas& sigmas) {
     if (sigmas.disparity_offset) out_.disparity_offset_px.sigma = sigmas.disparity_offset;
     if (out_.focal_error) out_.focal_error->sigma = sigmas.focal_error;
+    if (out_.camera_rotation) out_.camera_rotation->sigma = sigmas.camera_rotation;
     if (out_.time_offset_s && sigmas.time_offset_s) {
       out_.time_offset_s->sigma = sigmas.time_offset_s;
     }

@@ -22,10 +22,11 @@ struct BatchEstimate {
   Estimate disparity_offset_px;
   std::optional<Estimate> focal_error;  ///< [1]
   std::optional<Estimate> time_offset_s;
-  std::vector<float> position_sigma_m;  ///< per frame; empty if not asked for
-  std::vector<bool> imu_gap;            ///< per frame: a gap or saturation since the one before
-  std::vector<bool> conflict;           ///< per frame: see rotation_conflicts()
-  std::vector<bool> covered;            ///< per frame: measured, not extrapolated
+  std::optional<VectorEstimate> camera_rotation;  ///< [rad]
+  std::vector<float> position_sigma_m;            ///< per frame; empty if not asked for
+  std::vector<bool> imu_gap;   ///< per frame: a gap or saturation since the one before
+  std::vector<bool> conflict;  ///< per frame: see rotation_conflicts()
+  std::vector<bool> covered;   ///< per frame: measured, not extrapolated
   std::vector<std::string> warnings;
 };
 

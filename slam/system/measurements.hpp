@@ -27,6 +27,8 @@ struct Measurements {
   std::vector<RelativeMotion> odometry;  ///< from one measured frame to the next, in order
   std::vector<RelativeMotion> skips;     ///< over several frames, any order
 
+  lie::SE3d T_body_left;  ///< by which the motions came from camera to body
+
   std::vector<ImuSample> imu;  ///< strictly increasing stamps; empty: no IMU, or see lend_imu()
   imu::ImuRange lent_imu;      ///< instead of `imu`
   ImuNoise imu_noise;

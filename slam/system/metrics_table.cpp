@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -40,6 +41,22 @@ std::string calibration_lines(const Json& calibration) {
   return text;
 }
 
+/// How the camera is turned about its three axes, where an IMU says so.
+std::string rotation_line(const Json& calibration) {
+  constexpr double kDegrees = 180.0 / M_PI;
+  const Json value = calibration.value("camera_rotation_rad", Json());
+  if (value.is_null()) return "";
+  std::string text = fmt::format("{:<28}", "Camera turned by [deg]");
+  const Json sigma = calibration.value("camera_rotation_sigma_rad", Json());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    text += fmt::format("{:>12.3f}", kDegrees * value.at(axis).get<double>());
+    if (!sigma.is_null()) {
+      text += fmt::format(" +- {:.3f}", kDegrees * sigma.at(axis).get<double>());
+    }
+  }
+  return text + "\n";
+}
+
 }  // namespace
 
 std::string metrics_table(const Json& metrics) {
@@ -62,7 +79,8 @@ std::string metrics_table(const Json& metrics) {
       metrics.at("dataset").get<std::string>(), metrics.at("frames").get<int>(),
       metrics.at("path_length_m").get<double>(), metrics.at("duration_s").get<double>(),
       metrics.at("frames_per_second").get<double>(), 100.0 * metrics.at("coverage").get<double>());
-  table += calibration_lines(metrics.value("calibration", Json::object()));
+  const Json calibration = metrics.value("calibration", Json::object());
+  table += calibration_lines(calibration) + rotation_line(calibration);
   if (!metrics.contains("graph")) return table + "no ground truth: no errors to report\n";
   std::vector<std::string> columns = {"vo", "graph"};
   if (metrics.contains("online")) columns.emplace_back("online");

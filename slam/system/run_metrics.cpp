@@ -41,6 +41,12 @@ Json calibration_block(const SlamResult& result) {
     block["focal_error"] = number(result.focal_error->value);
     block["focal_error_sigma"] = number(result.focal_error->sigma);
   }
+  if (result.camera_rotation) {
+    block["camera_rotation_rad"] = vector3(result.camera_rotation->value);
+    if (result.camera_rotation->sigma) {
+      block["camera_rotation_sigma_rad"] = vector3(*result.camera_rotation->sigma);
+    }
+  }
   if (result.time_offset_s) {
     block["time_offset_s"] = number(result.time_offset_s->value);
     block["time_offset_sigma_s"] = number(result.time_offset_s->sigma);

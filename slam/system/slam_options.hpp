@@ -28,12 +28,17 @@ struct SystemOptions {
 
   double disparity_offset_prior_px = 2.0;  ///< standard deviation before looking
   double focal_error_prior = 0.02;         ///< [1] likewise
-  double time_offset_s = 0.0;              ///< to expect: stamp of the IMU less the camera's
-  double time_offset_prior_s = 0.02;       ///< standard deviation before looking
-  double gyro_bias_prior = 0.0;            ///< [rad/s] likewise; 0: what the sensor's kind allows
-  double accel_bias_prior = 0.0;           ///< [m/s^2] likewise
-  double gyro_noise_factor = 2.0;          ///< [1] on the datasheet's density: see README, "noise"
-  double accel_noise_factor = 8.0;  ///< [1] likewise; vibration and scale errors count as noise
+  double camera_rotation_prior = 0.01;     ///< [rad] likewise, of a camera screwed to its IMU
+  /// [rad/s] ImuNoise::gyro_bias_sigma up to which an IMU says how the camera is turned and, in
+  /// fine-tuning, what its focal length is: units that compensate themselves. Larger for a gyro
+  /// whose scale and axes were calibrated; those of a phone are askew themselves.
+  double trusted_gyro_bias = 5e-3;
+  double time_offset_s = 0.0;         ///< to expect: stamp of the IMU less the camera's
+  double time_offset_prior_s = 0.02;  ///< standard deviation before looking
+  double gyro_bias_prior = 0.0;       ///< [rad/s] likewise; 0: what the sensor's kind allows
+  double accel_bias_prior = 0.0;      ///< [m/s^2] likewise
+  double gyro_noise_factor = 2.0;     ///< [1] on the datasheet's density: see README, "noise"
+  double accel_noise_factor = 8.0;    ///< [1] likewise; vibration and scale errors count as noise
   int relinearisations = 4;  ///< the IMU is integrated anew at the biases found, at most so often
   bool covariances = true;   ///< of the final states, for the report
 
@@ -56,6 +61,7 @@ struct SlamOptions {
     pgo.estimate_disparity_offset = true;
     pgo.estimate_focal_error = true;
     pgo.estimate_time_offset = true;
+    pgo.estimate_camera_rotation = true;
   }
 
   SystemOptions system;

@@ -22,6 +22,10 @@ struct Estimate {
   double value = 0.0;
   std::optional<double> sigma;
 };
+struct VectorEstimate {
+  Eigen::Vector3d value = Eigen::Vector3d::Zero();
+  std::optional<Eigen::Vector3d> sigma;
+};
 
 /// What happened on the way; all of it goes into metrics.json.
 struct Counters {
@@ -62,6 +66,7 @@ struct SlamResult {
   Estimate disparity_offset_px;         ///< but this one, and the time offset, as a whole
   std::optional<Estimate> focal_error;  ///< [1], empty without a gyro to compare with
   std::optional<Estimate> time_offset_s;
+  std::optional<VectorEstimate> camera_rotation;  ///< [rad], empty without an IMU to trust
   double gravity_m_s2 = 0.0;
 
   Counters counters;

@@ -36,6 +36,7 @@ class SlamSystem::State {
         online_(options_),
         map_sampler_(camera, options_.system),
         inertial_(imu_noise.has_value()) {
+    measurements_.T_body_left = camera.T_body_left;
     odometry_.set_disparity_offset(options_.vo.offset.prior);
     result_.models = std::move(front_end.models);
     if (options.system.loops) loops_.emplace(options.loops, options.vo, camera, std::move(load));
@@ -226,6 +227,7 @@ SlamResult SlamSystem::State::finish() {
   result_.disparity_offset_px = batch.disparity_offset_px;
   result_.focal_error = batch.focal_error;
   result_.time_offset_s = batch.time_offset_s;
+  result_.camera_rotation = batch.camera_rotation;
   result_.gravity_m_s2 = options_.pgo.gravity_magnitude;
   result_.warnings = std::move(batch.warnings);
   if (inertial_) {

@@ -33,36 +33,41 @@ struct VisualCase {
   RelativePoseFactor factor;
   SE3d T0;
   SE3d T1;
-  double offset;
-  double focal_error;
+  VisualCalibration calibration;
 };
 
 VisualCase visual_case(Random& random, double angle, const Vector6& measurement_step) {
+  const SE3d T_body_left(SO3d::exp({0.3, -0.2, 1.2}), Vector3d(0.05, 0.02, -0.01));
+  const VisualCalibration calibration{0.5, 0.03, {0.04, -0.02, 0.03}};
+  const SE3d turn = T_body_left * SE3d(SO3d::exp(calibration.camera_rotation), Vector3d::Zero()) *
+                    T_body_left.inverse();
   RelativeMotion motion;
   motion.T_body0_body1 = random_pose(random);
   motion.J_disparity_offset = 0.1 * random_matrix<6, 1>(random);
   motion.disparity_offset = 0.2;
   motion.J_focal_error = random_matrix<6, 1>(random);
-  const double offset = 0.5;
-  const double focal_error = 0.03;
   const SE3d T0 = random_pose(random, 3.0);
   Vector6 error;
   error << (angle > 0.0 ? 0.3 : 0.0) * random.normal3(), angle * random.normal3().normalized();
-  const SE3d T1 = T0 * motion.T_body0_body1 *
-                  SE3d::exp(motion.J_disparity_offset * (offset - motion.disparity_offset) +
-                            motion.J_focal_error * focal_error) *
+  const SE3d T1 = T0 * turn * motion.T_body0_body1 * turn.inverse() *
+                  SE3d::exp(motion.J_disparity_offset *
+                                (calibration.disparity_offset - motion.disparity_offset) +
+                            motion.J_focal_error * calibration.focal_error) *
                   SE3d::exp(error);
   motion.T_body0_body1 = motion.T_body0_body1 * SE3d::exp(measurement_step);
   const auto W = sqrt_information(testing::random_covariance<6>(random, 0.5));
-  return {RelativePoseFactor(motion, *W), T0, T1, offset, focal_error};
+  return {RelativePoseFactor(motion, *W, T_body_left), T0, T1, calibration};
 }
 
 TEST(RelativePoseFactor, JacobiansMatchNumericDerivatives) {
   for (double angle : kAngles) {
     Random random(11);
     const VisualCase c = visual_case(random, angle, Vector6::Zero());
-    expect_jacobians_match(c.factor,
-                           {pose_block(c.T0), pose_block(c.T1), {c.offset}, {c.focal_error}});
+    expect_jacobians_match(c.factor, {pose_block(c.T0),
+                                      pose_block(c.T1),
+                                      {c.calibration.disparity_offset},
+                                      {c.calibration.focal_error},
+                                      vector_block(c.calibration.camera_rotation)});
   }
 }
 
@@ -71,11 +76,11 @@ TEST(RelativePoseFactor, MeasurementJacobianMatchesCentralDifferences) {
     const auto residual = [&](const VectorXd& step) -> VectorXd {
       Random random(12);
       const VisualCase c = visual_case(random, angle, step);
-      return c.factor.residual(c.T0, c.T1, c.offset, c.focal_error);
+      return c.factor.residual(c.T0, c.T1, c.calibration);
     };
     Random random(12);
     const VisualCase c = visual_case(random, angle, Vector6::Zero());
-    expect_near(c.factor.linearize(c.T0, c.T1, c.offset, c.focal_error).J_measurement,
+    expect_near(c.factor.linearize(c.T0, c.T1, c.calibration).J_measurement,
                 numeric_jacobian(residual, Vector6::Zero(), 1e-5), 1e-6);
   }
 }
@@ -88,7 +93,7 @@ TEST(RelativePoseFactor, ResidualIsTheStepFromTheMeasurementToTheStates) {
   const Vector6 step = 0.1 * random_matrix<6, 1>(random);
   const RelativePoseFactor factor(motion, 2.0 * Eigen::Matrix<double, 6, 6>::Identity());
   const SE3d T1 = T0 * motion.T_body0_body1 * SE3d::exp(step);
-  EXPECT_LT((factor.residual(T0, T1, 0.0, 0.0) - 2.0 * step).norm(), 1e-12);
+  EXPECT_LT((factor.residual(T0, T1, {}) - 2.0 * step).norm(), 1e-12);
 }
 
 struct ImuCase {

@@ -18,6 +18,9 @@ using testing::Vector9;
 constexpr double kOffsetPrior_px = 1.0;
 constexpr double kFocalPrior = 0.02;
 constexpr double kTimePrior_s = 0.02;
+constexpr double kTurnPrior_rad = 0.01;
+
+const lie::SE3d kT_body_left(lie::SO3d::exp({0.3, -0.2, 1.2}), Eigen::Vector3d(0.05, 0.02, -0.01));
 
 GraphOptions everything_estimated() {
   GraphOptions options;
@@ -25,6 +28,7 @@ GraphOptions everything_estimated() {
   options.estimate_disparity_offset = true;
   options.estimate_focal_error = true;
   options.estimate_time_offset = true;
+  options.estimate_camera_rotation = true;
   return options;
 }
 
@@ -43,7 +47,11 @@ RelativeMotion noisy_visual_motion(const State& a,
   error = error.cwiseProduct(motion.covariance.diagonal().cwiseSqrt());
   const Vector6 shift =
       motion.J_focal_error * truth.focal_error + motion.J_disparity_offset * truth.disparity_offset;
-  motion.T_body0_body1 = motion.T_body0_body1 * lie::SE3d::exp(error) * lie::SE3d::exp(-shift);
+  const lie::SE3d turn = kT_body_left *
+                         lie::SE3d(lie::SO3d::exp(truth.camera_rotation), Eigen::Vector3d::Zero()) *
+                         kT_body_left.inverse();
+  motion.T_body0_body1 =
+      turn.inverse() * motion.T_body0_body1 * lie::SE3d::exp(error) * lie::SE3d::exp(-shift) * turn;
   return motion;
 }
 
@@ -68,6 +76,7 @@ Globals draw_globals(Random& random) {
   globals.disparity_offset = kOffsetPrior_px * random.normal();
   globals.focal_error = kFocalPrior * random.normal();
   globals.time_offset_s = kTimePrior_s * random.normal();
+  globals.camera_rotation = kTurnPrior_rad * random.normal3();
   return globals;
 }
 
@@ -88,6 +97,8 @@ PoseVelocityGraph noisy_graph(const std::vector<State>& states,
   graph.add_disparity_offset_prior(0.0, kOffsetPrior_px);
   graph.add_focal_error_prior(0.0, kFocalPrior);
   graph.add_time_offset_prior(0.0, kTimePrior_s);
+  graph.set_camera(kT_body_left);
+  graph.add_camera_rotation_prior(Eigen::Vector3d::Zero(), kTurnPrior_rad);
   return graph;
 }
 
@@ -95,7 +106,7 @@ TEST(GlobalSigmas, AreThoseOfTheErrorsOfManyRuns) {
   constexpr int kRuns = 150;
   const auto states = testing::wavy_states(30);
   Random random(5);
-  Eigen::Vector3d squares = Eigen::Vector3d::Zero();  // of errors in standard deviations
+  Vector6 squares = Vector6::Zero();  // of errors in standard deviations
   for (int run = 0; run < kRuns; ++run) {
     const Globals truth = draw_globals(random);
     PoseVelocityGraph graph = noisy_graph(states, truth, random);
@@ -106,11 +117,15 @@ TEST(GlobalSigmas, AreThoseOfTheErrorsOfManyRuns) {
     EXPECT_LT(*sigmas.disparity_offset, 0.9 * kOffsetPrior_px);  // the graph has learned something
     EXPECT_LT(*sigmas.focal_error, 0.9 * kFocalPrior);
     EXPECT_LT(*sigmas.time_offset_s, 0.9 * kTimePrior_s);
+    EXPECT_LT(sigmas.camera_rotation->maxCoeff(), 0.9 * kTurnPrior_rad);
     const Globals& found = graph.globals();
-    const Eigen::Vector3d errors(
-        (found.disparity_offset - truth.disparity_offset) / *sigmas.disparity_offset,
+    Vector6 errors;
+    errors.head<3>() << (found.disparity_offset - truth.disparity_offset) /
+                            *sigmas.disparity_offset,
         (found.focal_error - truth.focal_error) / *sigmas.focal_error,
-        (found.time_offset_s - truth.time_offset_s) / *sigmas.time_offset_s);
+        (found.time_offset_s - truth.time_offset_s) / *sigmas.time_offset_s;
+    errors.tail<3>() =
+        (found.camera_rotation - truth.camera_rotation).cwiseQuotient(*sigmas.camera_rotation);
     squares += errors.cwiseAbs2() / kRuns;
   }
   for (const double square : squares) {  // chance alone moves the root by 6 %
@@ -123,6 +138,7 @@ TEST(GlobalSigmas, AreEmptyForWhatIsHeld) {
   GraphOptions options = everything_estimated();
   options.estimate_focal_error = false;
   options.estimate_time_offset = false;
+  options.estimate_camera_rotation = false;
   auto graph = testing::chain_graph(testing::wavy_states(4), options, true, 0.0);
   graph.add_disparity_offset_prior(0.0, 0.5);
   const auto uncertainty = graph.uncertainty();
@@ -130,6 +146,7 @@ TEST(GlobalSigmas, AreEmptyForWhatIsHeld) {
   EXPECT_NEAR(*uncertainty->globals.disparity_offset, 0.5, 1e-9);  // no edge depends on it
   EXPECT_FALSE(uncertainty->globals.focal_error);
   EXPECT_FALSE(uncertainty->globals.time_offset_s);
+  EXPECT_FALSE(uncertainty->globals.camera_rotation);
 }
 
 }  // namespace

@@ -73,6 +73,7 @@ const CALIBRATION = [
   ["disparity_offset_px", "Disparity offset", 1, "px", "disparity_offset_sigma_px"],
   ["focal_error", "Focal length, relative error", 100, "%", "focal_error_sigma"],
   ["time_offset_s", "Time offset camera to IMU", 1000, "ms", "time_offset_sigma_s"],
+  ["camera_rotation_rad", "Camera turned against the IMU", 180 / Math.PI, "deg", "camera_rotation_sigma_rad"],
   ["gravity_m_s2", "Gravity", 1, "m/s²", "gravity_sigma_m_s2"],
   ["gyro_bias", "Gyroscope bias at the end", 1000, "mrad/s", null],
   ["accel_bias", "Accelerometer bias at the end", 1, "m/s²", null],
@@ -84,8 +85,11 @@ function calibrationRows() {
   const rows = CALIBRATION.filter(([key]) => isNumber(found[key]) || Array.isArray(found[key])).map(([key, label, factor, unit, sigma]) => {
     const scale = (value) => (isNumber(value) ? value * factor : null);
     const value = Array.isArray(found[key]) ? found[key].map(scale) : scale(found[key]);
-    const spread = isNumber(found[sigma]) ? " ± " + digits(found[sigma] * factor, 2) : "";
-    return [label, valueText(value) + spread, unit];
+    const spread = (each) => (isNumber(each) ? " ± " + digits(each * factor, 2) : "");
+    if (Array.isArray(value) && Array.isArray(found[sigma])) {
+      return [label, value.map((each, axis) => digits(each) + spread(found[sigma][axis])).join(", "), unit];
+    }
+    return [label, valueText(value) + spread(found[sigma]), unit];
   });
   const others = Object.entries(found).filter(([key, value]) => !used.has(key) && (isNumber(value) || Array.isArray(value)));
   return [...rows, ...others.map(([key, value]) => [humanise(key), valueText(value), ""])];

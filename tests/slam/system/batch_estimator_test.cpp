@@ -150,6 +150,41 @@ TEST(EstimateBatch, TheGyroTellsHowFarTheFocalLengthIsOff) {
   EXPECT_NEAR(estimate.focal_error->value, 0.02, 4.0 * *estimate.focal_error->sigma);
 }
 
+/// Measured through a camera that is turned by `turn` against what its calibration says.
+Measurements through_turned_camera(const SineWorld& world, const Eigen::Vector3d& turn) {
+  Measurements measurements = world.measure();
+  measurements.T_body_left = {lie::SO3d::exp({0.3, -0.2, 1.2}), {0.05, 0.02, -0.01}};
+  const lie::SE3d T_left_stated = {lie::SO3d::exp(turn), Eigen::Vector3d::Zero()};
+  const lie::SE3d carry =
+      measurements.T_body_left * T_left_stated.inverse() * measurements.T_body_left.inverse();
+  for (RelativeMotion& motion : measurements.odometry) {
+    motion.T_body0_body1 = carry * motion.T_body0_body1 * carry.inverse();
+  }
+  measurements.imu_noise.gyro_bias_sigma = 5e-4;
+  return measurements;
+}
+
+TEST(EstimateBatch, ATrustedImuTellsHowTheCameraIsTurned) {
+  const SineWorld world;
+  const Eigen::Vector3d turn(0.004, -0.006, 0.005);
+  const auto estimate = estimate_batch(through_turned_camera(world, turn), {}, {});
+  ASSERT_TRUE(estimate.camera_rotation && estimate.camera_rotation->sigma);
+  EXPECT_LT((estimate.camera_rotation->value - turn).norm(), 3e-4)
+      << estimate.camera_rotation->value.transpose();
+  EXPECT_LT(estimate.camera_rotation->sigma->maxCoeff(), 1e-3);
+  EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 5e-3);
+  const auto straight = estimate_batch(through_turned_camera(world, {0, 0, 0}), {}, {});
+  EXPECT_LT(straight.camera_rotation->value.norm(), 1e-4) << "made up";
+}
+
+TEST(EstimateBatch, TheAxesOfAPhonesGyroDoNotTurnTheCamera) {
+  Measurements measurements = through_turned_camera(SineWorld(), {0.004, -0.006, 0.005});
+  measurements.imu_noise.gyro_bias_sigma = 0.1;
+  const auto estimate = estimate_batch(measurements, {}, {});
+  EXPECT_FALSE(estimate.camera_rotation);
+  EXPECT_EQ(estimate.graph.globals.camera_rotation, Eigen::Vector3d::Zero());
+}
+
 /// As if the images within [from_s, to_s) were shown backwards.
 void reverse_odometry(Measurements& measurements, double from_s, double to_s) {
   for (RelativeMotion& motion : measurements.odometry) {

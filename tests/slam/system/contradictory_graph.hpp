@@ -27,7 +27,7 @@ inline pgo::PoseVelocityGraph contradictory_graph(int states, bool inertial, dou
   options.gyro_random_walk = 0.01;
   options.accel_random_walk = 0.01;
   options.estimate_gravity = options.estimate_time_offset = inertial;
-  options.estimate_focal_error = inertial;
+  options.estimate_focal_error = options.estimate_camera_rotation = inertial;
   options.estimate_disparity_offset = true;
   pgo::PoseVelocityGraph graph(options);
   for (const pgo::State& state : truth) graph.add_state(state);
@@ -67,6 +67,8 @@ inline pgo::PoseVelocityGraph contradictory_graph(int states, bool inertial, dou
   graph.add_gravity_prior(-Eigen::Vector3d::UnitZ(), 0.1);
   graph.add_focal_error_prior(0.0, 0.05);
   graph.add_time_offset_prior(0.0, 0.05);
+  graph.set_camera({lie::SO3d::exp({0.3, -0.2, 1.2}), {0.05, 0.02, -0.01}});
+  graph.add_camera_rotation_prior({0.005, 0.0, -0.01}, 0.01);
   return graph;
 }
 

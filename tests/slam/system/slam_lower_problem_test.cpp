@@ -218,13 +218,13 @@ TEST(SlamUpperCost, SomeEdgesOnlyAndATermOfTheCallersGoThroughTheSolve) {
   upper.extra = [&at](const pgo::GraphData& solved, const Vector& z) {
     const lie::SE3d& pose = solved.states.back().nav.T_world_body;
     learner::UpperValue value{0.5 * pose.translation().squaredNorm() + 0.5 * z(0) * z(0),
-                              z(0) * Vector::Unit(z.size(), 0), Vector::Zero(at + 15 + 5)};
+                              z(0) * Vector::Unit(z.size(), 0), Vector::Zero(at + 15 + 8)};
     value.by_phi.segment<3>(at) = pose.rotation().matrix().transpose() * pose.translation();
     return value;
   };
   SlamLowerProblem task = problem_of(graph, upper);
   at = task.point().offset({pgo::BlockId::Kind::kPose, kStates - 1});
-  ASSERT_EQ(task.point().size(), at + 15 + 5);  // gravity 2, three scalars
+  ASSERT_EQ(task.point().size(), at + 15 + 8);  // gravity 2, three scalars, turn of the camera 3
   expect_true_gradient("implicit_direct", task, beside_origin(task));
 }
 
