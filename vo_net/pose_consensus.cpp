@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include "slam/base/random.hpp"
 #include "vo_net/pose_layer_covariance.hpp"
@@ -16,6 +17,9 @@ constexpr double kMissed = 0.01;  // probability that no sample lay within the l
 constexpr int kIterations = 6;
 constexpr double kDamping = 1e-6;
 constexpr std::size_t kScoredPoints = 200;  // at most, evenly taken
+constexpr double kClose_px = 2.0;       // how well a point of the group fits, at an exact rotation
+constexpr double kContradiction = 4.0;  // standard deviations of what was foretold
+constexpr double kLeastDisparity_px = 0.5;  // farther points say nothing of the translation
 
 struct Some {
   Correspondences correspondences;
@@ -90,7 +94,80 @@ std::vector<std::size_t> every_nth(const std::vector<std::size_t>& all, std::siz
   return some;
 }
 
+/// One point as both pairs see it, with the disparities that were measured.
+struct SeenTwice {
+  Eigen::Vector3d p_left0;
+  Eigen::Vector3d p_left1;
+  Eigen::Vector3d uvd1;
+};
+
+std::vector<SeenTwice> seen_twice(const Problem& problem) {
+  std::vector<SeenTwice> seen;
+  for (std::size_t i = 0; i < problem.usable.size(); ++i) {
+    const Correspondence& c = problem.correspondences[i];
+    const double d0 = c.disparity0 - problem.offset;
+    const double d1 = c.disparity1 - problem.offset;
+    if (problem.usable[i] == 0 || !(d0 > kLeastDisparity_px) || !(d1 > kLeastDisparity_px))
+      continue;
+    const Eigen::Vector3d uvd1(c.left1.x(), c.left1.y(), d1);
+    seen.push_back({problem.camera.back_project({c.left0.x(), c.left0.y(), d0}),
+                    problem.camera.back_project(uvd1), uvd1});
+  }
+  return seen;
+}
+
+/// [px^2] of one point under a motion, both in the image and in disparity.
+double square_error(const SeenTwice& point,
+                    const lie::SE3d& T_left1_left0,
+                    const StereoCamera& camera) {
+  const Eigen::Vector3d p = T_left1_left0 * point.p_left0;
+  if (!(p.z() > 0.0)) return std::numeric_limits<double>::infinity();
+  return (camera.project(p) - point.uvd1).squaredNorm();
+}
+
 }  // namespace
+
+bool Foretold::turns_alike(const lie::SE3d& T_left0_left1_seen) const {
+  const lie::SO3d off = T_left0_left1.rotation().inverse() * T_left0_left1_seen.rotation();
+  return off.log().norm() < kContradiction * sigma_rad;
+}
+
+bool Foretold::moves_alike(const lie::SE3d& T_left0_left1_seen) const {
+  const Eigen::Vector3d off = T_left0_left1.translation() - T_left0_left1_seen.translation();
+  return !translation_known || off.norm() < kContradiction * sigma_m;
+}
+
+std::optional<Consensus> find_foretold(const Problem& problem,
+                                       const Estimate& start,
+                                       const Foretold& foretold) {
+  const std::vector<SeenTwice> all = seen_twice(problem);
+  if (all.size() < kSampleSize) return std::nullopt;
+  const std::size_t step = (all.size() + kScoredPoints - 1) / kScoredPoints;
+  const double close_px = kClose_px + 2.0 * foretold.sigma_rad * problem.camera.fx;
+  const double limit = close_px * close_px;
+  const lie::SO3d R_left0_left1 = foretold.T_left0_left1.rotation();
+  std::optional<lie::SE3d> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < all.size(); k += step) {
+    const lie::SE3d T_left0_left1(R_left0_left1, all[k].p_left0 - R_left0_left1 * all[k].p_left1);
+    if (!foretold.moves_alike(T_left0_left1)) continue;
+    const lie::SE3d T_left1_left0 = T_left0_left1.inverse();
+    double cost = 0.0;
+    for (std::size_t j = 0; j < all.size() && cost < least; j += step) {
+      cost += std::min(square_error(all[j], T_left1_left0, problem.camera), limit);
+    }
+    if (cost >= least) continue;
+    least = cost;
+    best = T_left0_left1;
+  }
+  if (!best) return std::nullopt;
+  const lie::SE3d T_left1_left0 = best->inverse();
+  const auto alike = std::count_if(all.begin(), all.end(), [&](const SeenTwice& point) {
+    return square_error(point, T_left1_left0, problem.camera) < limit;
+  });
+  return Consensus{{*best, start.disparities},
+                   static_cast<double>(alike) / static_cast<double>(all.size())};
+}
 
 std::optional<Consensus> find_consensus(const Problem& problem,
                                         const Estimate& start,

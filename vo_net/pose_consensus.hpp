@@ -24,4 +24,30 @@ std::optional<Consensus> find_consensus(const Problem& problem,
                                         const Estimate& start,
                                         double limit);
 
+/// How the left camera has moved, as something other than vision says.
+struct Foretold {
+  lie::SE3d T_left0_left1;
+  double sigma_rad = 0.0;
+  bool translation_known = false;
+  double sigma_m = 0.0;
+
+  /// Whether what vision saw lies within 4 standard deviations.
+  bool turns_alike(const lie::SE3d& T_left0_left1_seen) const;
+  bool moves_alike(const lie::SE3d& T_left0_left1_seen) const;
+};
+
+/// The motion that turns, and moves if that is known, as `foretold` says and has the most points
+/// behind it. With the rotation known a single point of the scene gives the translation, so every
+/// point is tried and a group can be found that is far from being the majority: things that move by
+/// themselves, or with the lens, each ask for a translation of their own.
+///
+///   t_k = X_k - R Y_k  for X_k, Y_k the point as both pairs see it
+///   t   = argmin over t_k of  sum min(e^2, tau^2) over all points
+///
+/// e [px] is the reprojection error in left1, tau grows with sigma_rad. The same in every call.
+/// Empty if there are too few points.
+std::optional<Consensus> find_foretold(const Problem& problem,
+                                       const Estimate& start,
+                                       const Foretold& foretold);
+
 }  // namespace imslam::vo::detail

@@ -27,6 +27,9 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr double kLeastConsensus = 0.3;       // of the points: fewer may agree by chance
 constexpr double kConsensusNoiseScale = 2.0;  // informations are off by that much at most, there
+constexpr double kLeastForetold = 0.15;       // where the motion is foretold chance does less
+constexpr double kLeastBeside = 0.5;  // share of the largest group's, where that turns as foretold
+constexpr double kVisionSigma_rad = 1e-3;  // what vision may be off by itself
 
 void fill_calibration(const ReducedSystem& exact, double factor, PoseLayerResult& result) {
   const Matrix6 H = exact.H.topLeftCorner<6, 6>();
@@ -70,6 +73,19 @@ void to_body(const StereoCamera& camera, const Estimate& estimate, PoseLayerResu
   result.J_focal_error = A * result.J_focal_error;
 }
 
+/// Body to left camera; a lever arm that turns by sigma_rad moves, too.
+detail::Foretold to_camera(const StereoCamera& camera, const ForetoldMotion& foretold) {
+  const lie::SE3d& T_body_left = camera.T_body_left;
+  const lie::SE3d T_body0_body1(foretold.R_body0_body1,
+                                foretold.p_body0_body1.value_or(Eigen::Vector3d::Zero()));
+  detail::Foretold result;
+  result.T_left0_left1 = T_body_left.inverse() * T_body0_body1 * T_body_left;
+  result.sigma_rad = std::hypot(foretold.sigma_rad, kVisionSigma_rad);
+  result.translation_known = foretold.p_body0_body1.has_value();
+  result.sigma_m = foretold.sigma_m + result.sigma_rad * T_body_left.translation().norm();
+  return result;
+}
+
 /// Covariance, inliers and derivatives where the solver stopped.
 PoseLayerResult finish(const Solver& solver,
                        const StereoCamera& camera,
@@ -96,17 +112,56 @@ PoseLayerResult finish(const Solver& solver,
   return result;
 }
 
-/// The minimum near the motion that most points agree on, or none.
-std::optional<Solver> solve_by_consensus(const Problem& problem,
-                                         const PoseLayerOptions& options,
-                                         const Estimate& start,
-                                         double limit) {
-  const auto consensus = detail::find_consensus(problem, start, limit);
-  if (!consensus || !(consensus->share > kLeastConsensus)) return std::nullopt;
-  std::optional<Solver> solver(std::in_place, problem, options, consensus->estimate,
-                               std::min(1.0, consensus->share));
-  if (!solver->solve()) return std::nullopt;
-  return solver;
+/// A minimum and the share of the points that agree on it.
+struct Attempt {
+  Solver solver;
+  double share = 0.0;
+};
+
+/// The minimum near a motion that many points agree on, or none.
+std::optional<Attempt> solve_near(const std::optional<detail::Consensus>& consensus,
+                                  const Problem& problem,
+                                  const PoseLayerOptions& options,
+                                  double least_share,
+                                  double limit) {
+  if (!consensus || !(consensus->share > least_share)) return std::nullopt;
+  Attempt attempt{Solver(problem, options, consensus->estimate, std::min(1.0, consensus->share)),
+                  0.0};
+  if (!attempt.solver.solve()) return std::nullopt;
+  attempt.share = attempt.solver.share_below(limit);
+  return attempt;
+}
+
+/// The group of points that moves as the scene does, in place of `best`, if there is reason to look
+/// for one.
+std::optional<Attempt> best_group(std::optional<Attempt> best,
+                                  const Problem& problem,
+                                  const PoseLayerOptions& options,
+                                  const Estimate& start,
+                                  const std::optional<detail::Foretold>& foretold) {
+  const double limit = std::pow(kConsensusNoiseScale * options.inlier_threshold, 2);
+  if (options.consensus_share <= 0.0) return best;
+  const bool few = !best || best->share < options.consensus_share;
+  if (few) {
+    auto largest = solve_near(detail::find_consensus(problem, start, limit), problem, options,
+                              kLeastConsensus, limit);
+    if (largest && (!best || largest->share > best->share)) best.emplace(std::move(*largest));
+  }
+  if (!foretold) return best;
+  const auto turns = [&](const Attempt& a) {
+    return foretold->turns_alike(a.solver.estimate().T_left0_left1);
+  };
+  const auto moves = [&](const Attempt& a) {
+    return foretold->moves_alike(a.solver.estimate().T_left0_left1);
+  };
+  if (!few && turns(*best) && moves(*best)) return best;
+  auto alike = solve_near(detail::find_foretold(problem, start, *foretold), problem, options,
+                          kLeastForetold, limit);
+  if (!alike || alike->share < kLeastForetold || !turns(*alike) || !moves(*alike)) return best;
+  // Of what was foretold the translation is the less certain: it leans on vision's past.
+  const bool better = !best || alike->share > best->share || !turns(*best) ||
+                      (!moves(*best) && alike->share > kLeastBeside * best->share);
+  return better ? std::move(alike) : std::move(best);
 }
 
 }  // namespace
@@ -115,7 +170,8 @@ PoseLayerResult solve_pose(const Correspondences& correspondences,
                            const StereoCamera& camera,
                            const PoseLayerOptions& options,
                            const lie::SE3d& T_body0_body1_start,
-                           double disparity_offset) {
+                           double disparity_offset,
+                           const std::optional<ForetoldMotion>& foretold) {
   PoseLayerResult result;
   result.disparity_offset = disparity_offset;
   result.is_inlier.assign(correspondences.size(), 0);
@@ -130,16 +186,18 @@ PoseLayerResult solve_pose(const Correspondences& correspondences,
   const auto usable = std::count(problem.usable.begin(), problem.usable.end(), 1);
   if (usable < std::max(options.min_inliers, 3)) return result;
 
-  Solver solver(problem, options, start, 1.0);
-  const bool solved = solver.solve();
-  const double limit = std::pow(kConsensusNoiseScale * options.inlier_threshold, 2);
-  const double share = solved ? solver.share_below(limit) : 0.0;
-  std::optional<Solver> second = share < options.consensus_share
-                                     ? solve_by_consensus(problem, options, start, limit)
-                                     : std::nullopt;
-  const bool better = second && second->share_below(limit) > share;
-  if (!solved && !better) return result;
-  return finish(better ? *second : solver, camera, options, std::move(result));
+  std::optional<Attempt> best(Attempt{Solver(problem, options, start, 1.0), 0.0});
+  if (best->solver.solve()) {
+    best->share =
+        best->solver.share_below(std::pow(kConsensusNoiseScale * options.inlier_threshold, 2));
+  } else {
+    best.reset();
+  }
+  std::optional<detail::Foretold> in_camera;
+  if (foretold) in_camera = to_camera(camera, *foretold);
+  const auto group = best_group(std::move(best), problem, options, start, in_camera);
+  if (!group) return result;
+  return finish(group->solver, camera, options, std::move(result));
 }
 
 }  // namespace imslam::vo

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,15 @@ struct PoseLayerResult {
   double offset_information = 0.0;
 };
 
+/// A motion that something other than vision foretells, e.g. an IMU. It tells groups of points
+/// apart; the result does not lean on it.
+struct ForetoldMotion {
+  lie::SO3d R_body0_body1;
+  double sigma_rad = 0.0;                        ///< standard deviation per axis
+  std::optional<Eigen::Vector3d> p_body0_body1;  ///< [m]; empty: the rotation alone is foretold
+  double sigma_m = 0.0;
+};
+
 /// The most likely motion between two rectified stereo pairs.
 ///
 ///   min over T and d_k of  1/2 sum_k w_k rho(e_k^T Omega_k e_k)
@@ -72,6 +82,10 @@ struct PoseLayerResult {
 /// near the end; a start with a wide kernel that narrows with the median residual bears gross
 /// outliers.
 ///
+/// Where few points agree on one motion, or on another than was foretold, groups that
+/// move alike are looked for (find_consensus(), find_foretold()): things that move by
+/// themselves and dirt on the lens may be more than what stands still.
+///
 /// `covariance` is that of an M-estimator (Huber, "Robust Statistics", 1981, eq. 7.6.2) and holds
 /// for any scale of the informations. Non-finite correspondences count as outliers. Never throws
 /// on bad data and never returns a non-finite number.
@@ -79,6 +93,7 @@ PoseLayerResult solve_pose(const Correspondences& correspondences,
                            const StereoCamera& camera,
                            const PoseLayerOptions& options,
                            const lie::SE3d& T_body0_body1_start = lie::SE3d(),
-                           double disparity_offset = 0.0);
+                           double disparity_offset = 0.0,
+                           const std::optional<ForetoldMotion>& foretold = {});
 
 }  // namespace imslam::vo

@@ -130,7 +130,7 @@ void VisualOdometry::add_skip_motions(const MatchResult& match,
     const double ratio = to_seconds(time_ns - earlier.time0_ns) /
                          std::max(1e-3, to_seconds(time_ns - output.motion.time0_ns));
     const lie::SE3d start = lie::SE3d::exp(output.motion.T_body0_body1.log() * ratio);
-    const PoseLayerResult pose = motion_of(earlier.correspondences, start);
+    const PoseLayerResult pose = motion_of(earlier.correspondences, start, {});
     if (!pose.valid) continue;
     motions.push_back(to_motion(pose, earlier.correspondences, earlier.time0_ns, time_ns));
   }
@@ -149,7 +149,7 @@ VoOutput VisualOdometry::process(const StereoFrame& frame,
   const lie::SE3d predicted = has_anchor ? predict(frame.time_ns, prior) : lie::SE3d();
   MatchResult match = matcher_->match(frame, predicted);
   output.timings.match_s = watch.seconds();
-  if (has_anchor) solve(match, predicted, output);
+  if (has_anchor) solve(match, predicted, prior ? prior->foretold : std::nullopt, output);
   output.timings.solve_s = watch.seconds();
   output.points = std::move(match.points);
   output.search = match.previous.search;
@@ -166,18 +166,22 @@ VoOutput VisualOdometry::process(const StereoFrame& frame,
 }
 
 PoseLayerResult VisualOdometry::motion_of(const Correspondences& correspondences,
-                                          const lie::SE3d& start) const {
+                                          const lie::SE3d& start,
+                                          const std::optional<ForetoldMotion>& foretold) const {
   if (regression_) {
     return regression_->solve(correspondences, camera_, options_.pose, disparity_offset_);
   }
-  return solve_pose(correspondences, camera_, options_.pose, start, disparity_offset_);
+  return solve_pose(correspondences, camera_, options_.pose, start, disparity_offset_, foretold);
 }
 
-void VisualOdometry::solve(const MatchResult& match, const lie::SE3d& predicted, VoOutput& output) {
+void VisualOdometry::solve(const MatchResult& match,
+                           const lie::SE3d& predicted,
+                           const std::optional<ForetoldMotion>& foretold,
+                           VoOutput& output) {
   const Correspondences& correspondences = match.previous.correspondences;
   const std::int64_t time_ns = output.motion.time1_ns;
   output.tracked = static_cast<int>(correspondences.size());
-  output.pose = motion_of(correspondences, predicted);
+  output.pose = motion_of(correspondences, predicted, foretold);
   output.motion = to_motion(output.pose, correspondences, anchor_time_ns_, time_ns);
   if (!output.motion.valid) return;
   offset_.add(output.pose);

@@ -37,10 +37,12 @@ struct VoOptions {
 };
 
 /// Where the body is expected to have gone since VisualOdometry::anchor_time_ns(). Only the start
-/// of the search; the result does not lean on it.
+/// of the search, and what tells the scene from what moves in it (see solve_pose()); the result
+/// does not lean on it.
 struct MotionPrior {
   lie::SO3d R_body0_body1;                       ///< e.g. from the gyro
   std::optional<Eigen::Vector3d> p_body0_body1;  ///< [m]; unknown: as fast as before
+  std::optional<ForetoldMotion> foretold;        ///< where it is sure enough to tell points apart
 };
 
 struct VoTimings {
@@ -99,8 +101,13 @@ class VisualOdometry {
 
  private:
   lie::SE3d predict(std::int64_t time_ns, const std::optional<MotionPrior>& prior) const;
-  PoseLayerResult motion_of(const Correspondences& correspondences, const lie::SE3d& start) const;
-  void solve(const MatchResult& match, const lie::SE3d& predicted, VoOutput& output);
+  PoseLayerResult motion_of(const Correspondences& correspondences,
+                            const lie::SE3d& start,
+                            const std::optional<ForetoldMotion>& foretold) const;
+  void solve(const MatchResult& match,
+             const lie::SE3d& predicted,
+             const std::optional<ForetoldMotion>& foretold,
+             VoOutput& output);
   bool is_poor(std::size_t points) const;
   RelativeMotion to_motion(const PoseLayerResult& pose,
                            const Correspondences& correspondences,

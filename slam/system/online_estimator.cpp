@@ -45,6 +45,12 @@ void OnlineEstimator::try_to_start(const Measurements& measurements,
   window_.emplace(std::move(graph), options_.window);
 }
 
+pgo::State OnlineEstimator::foretell(const ImuMotion& motion) const {
+  const Eigen::Vector3d gravity =
+      options_.pgo.gravity_magnitude * window_->globals().gravity_direction;
+  return pgo::predict(window_->newest(), motion, gravity, window_->globals().time_offset_s);
+}
+
 void OnlineEstimator::add_newest(const Measurements& measurements) {
   const auto& times_ns = measurements.times_ns;
   const int newest = window_->end() - 1;
@@ -52,12 +58,7 @@ void OnlineEstimator::add_newest(const Measurements& measurements) {
   const ImuMotion imu_motion = imu::preintegrate(
       measurements.readings(), last.time_ns, times_ns.back(), last.bias, measurements.imu_noise,
       window_->globals().time_offset_s, options_.preintegration);
-  pgo::State guess = last;
-  const Eigen::Vector3d gravity =
-      options_.pgo.gravity_magnitude * window_->globals().gravity_direction;
-  if (imu_motion.valid) {
-    guess = pgo::predict(last, imu_motion, gravity, window_->globals().time_offset_s);
-  }
+  pgo::State guess = imu_motion.valid ? foretell(imu_motion) : last;
   guess.time_ns = times_ns.back();
   const int added = window_->add_state(guess);
   bool connected = imu_motion.valid && window_->add_imu_edge(newest, added, imu_motion);

@@ -31,6 +31,8 @@ class OnlineEstimator {
   const pgo::SlidingWindow& window() const { return *window_; }  ///< once started
   /// The newest bias; zero before the start.
   ImuBias bias() const { return window_ ? window_->newest().bias : ImuBias(); }
+  /// The state at the end of an IMU motion that starts at the newest one. Only once started.
+  pgo::State foretell(const ImuMotion& motion) const;
 
  private:
   void try_to_start(const Measurements& measurements, const Estimate& disparity_offset);

@@ -1,6 +1,7 @@
 #include "slam/system/slam_system.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "imu_net/preintegration.hpp"
@@ -18,6 +19,14 @@
 #include "vo_net/visual_odometry.hpp"
 
 namespace imslam::system {
+namespace {
+
+constexpr double kKnownGyroBias = 2e-3;     // [rad/s] how well the sliding window knows it
+constexpr double kKnownVelocity = 0.05;     // [m/s] likewise
+constexpr double kKnownAcceleration = 1.0;  // [m/s^2]
+constexpr double kGyroScale = 0.01;         // [1] and how far its scale and axes may be off
+
+}  // namespace
 
 class SlamSystem::State {
  public:
@@ -140,7 +149,25 @@ class SlamSystem::State {
         measurements_.readings(), *anchor_ns, time_ns, present_bias(), measurements_.imu_noise,
         options_.system.time_offset_s, options_.preintegration);
     if (!motion.valid) return std::nullopt;
-    return vo::MotionPrior{motion.dR, std::nullopt};
+    return vo::MotionPrior{motion.dR, std::nullopt, foretold(motion, *anchor_ns)};
+  }
+
+  /// The translation only where the window has a velocity for its start.
+  vo::ForetoldMotion foretold(const ImuMotion& motion, std::int64_t anchor_ns) const {
+    const double bias_sigma =
+        online_.started() ? kKnownGyroBias : measurements_.imu_noise.gyro_bias_sigma;
+    const double noise = motion.covariance.topLeftCorner<3, 3>().trace() / 3.0;
+    vo::ForetoldMotion result;
+    result.R_body0_body1 = motion.dR;
+    result.sigma_rad = std::sqrt(std::pow(bias_sigma * motion.dt_s, 2) +
+                                 std::pow(kGyroScale * motion.dR.log().norm(), 2) + noise);
+    if (!online_.started() || online_.window().newest().time_ns != anchor_ns) return result;
+    const lie::SE3d& T_world_body0 = online_.window().newest().nav.T_world_body;
+    result.p_body0_body1 =
+        T_world_body0.inverse() * online_.foretell(motion).nav.T_world_body.translation();
+    result.sigma_m =
+        kKnownVelocity * motion.dt_s + 0.5 * kKnownAcceleration * motion.dt_s * motion.dt_s;
+    return result;
   }
 
   /// The window's; before it has started what the correction believes, or zero.

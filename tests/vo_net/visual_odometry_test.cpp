@@ -178,7 +178,7 @@ TEST(VisualOdometry, ThePriorOnlySaysWhereToBegin) {
     const lie::SE3d truth = true_motion(camera, 0, 1);
     const lie::SO3d off = truth.rotation() * lie::SO3d::exp(Eigen::Vector3d(0.01, -0.02, 0.01));
     const VoOutput a = without.process(frame);
-    const VoOutput b = with.process(frame, MotionPrior{off, std::nullopt});
+    const VoOutput b = with.process(frame, MotionPrior{off, std::nullopt, std::nullopt});
     if (i == 0) continue;
     ASSERT_TRUE(a.motion.valid && b.motion.valid);
     const auto difference = (a.motion.T_body0_body1.inverse() * b.motion.T_body0_body1).log();
