@@ -22,6 +22,8 @@ struct Estimate {
   double value = 0.0;
   std::optional<double> sigma;
 };
+
+/// The same of a vector, axis by axis.
 struct VectorEstimate {
   Eigen::Vector3d value = Eigen::Vector3d::Zero();
   std::optional<Eigen::Vector3d> sigma;

@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kKnownGyroBias = 2e-3;     // [rad/s] how well the sliding window knows it
 constexpr double kKnownVelocity = 0.05;     // [m/s] likewise
-constexpr double kKnownAcceleration = 1.0;  // [m/s^2]
+constexpr double kKnownAcceleration = 1.0;  // [m/s^2] what tilt, bias and scale may add up to
 constexpr double kGyroScale = 0.01;         // [1] and how far its scale and axes may be off
 
 }  // namespace
