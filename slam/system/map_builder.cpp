@@ -12,12 +12,14 @@ using Cloud = pcl::PointCloud<pcl::PointXYZI>;
 
 namespace {
 
-Cloud::Ptr to_world(const std::vector<MapPoint>& points, const Trajectory& trajectory) {
+Cloud::Ptr to_world(const std::vector<MapPoint>& points,
+                    const Trajectory& trajectory,
+                    const lie::SE3d& T_body_left) {
   auto cloud = pcl::make_shared<Cloud>();
   for (const MapPoint& point : points) {
     if (point.frame >= trajectory.size()) continue;
     const Eigen::Vector3d p_world =
-        trajectory.poses[point.frame] * Eigen::Vector3d(point.p_body.cast<double>());
+        trajectory.poses[point.frame] * (T_body_left * point.p_left.cast<double>());
     if (!p_world.allFinite()) continue;
     pcl::PointXYZI out;
     out.getVector3fMap() = p_world.cast<float>();
@@ -46,8 +48,9 @@ float cube_side(const Cloud& cloud, double voxel_m) {
 
 void MapBuilder::write_pcd(const std::filesystem::path& file,
                            const Trajectory& trajectory,
+                           const lie::SE3d& T_body_left,
                            double voxel_m) const {
-  const Cloud::Ptr cloud = to_world(points_, trajectory);
+  const Cloud::Ptr cloud = to_world(points_, trajectory, T_body_left);
   Cloud filtered;
   if (!cloud->empty()) {
     const float side = cube_side(*cloud, voxel_m);

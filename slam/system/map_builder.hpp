@@ -12,21 +12,24 @@ namespace imslam::system {
 
 /// One scene point as seen from a frame.
 struct MapPoint {
-  Eigen::Vector3f p_body = Eigen::Vector3f::Zero();  ///< [m], in the body frame of `frame`
+  Eigen::Vector3f p_left = Eigen::Vector3f::Zero();  ///< [m], in the left camera of `frame`
   std::uint32_t frame = 0;                           ///< index into the trajectory
   std::uint8_t gray = 0;
 };
 
-/// Collects points while running and puts them into the world once the trajectory is known.
+/// Collects points while running and puts them into the world once the trajectory, and how the
+/// camera sits on the body, are known.
 class MapBuilder {
  public:
   void add(const MapPoint& point) { points_.push_back(point); }
   std::size_t size() const { return points_.size(); }
 
   /// Writes a PCD file (binary, x y z intensity) with one point per cube of side `voxel_m`.
-  /// Points of frames beyond the trajectory are left out. Throws InputError(kOutput).
+  /// `trajectory` holds T_world_body. Points of frames beyond the trajectory are left out.
+  /// Throws InputError(kOutput).
   void write_pcd(const std::filesystem::path& file,
                  const Trajectory& trajectory,
+                 const lie::SE3d& T_body_left,
                  double voxel_m) const;
 
  private:

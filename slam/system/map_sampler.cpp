@@ -33,8 +33,7 @@ void MapSampler::add(const StereoFrame& frame,
     if (column < 0 || row < 0 || column >= frame.left.width || row >= frame.left.height) continue;
     const Eigen::Vector3d p_left =
         camera_.back_project({point.left1.x(), point.left1.y(), point.disparity1});
-    const Eigen::Vector3d p_body = camera_.T_body_left * p_left;
-    map.add({p_body.cast<float>(), index, frame.left.at(row, column)});
+    map.add({p_left.cast<float>(), index, frame.left.at(row, column)});
   }
 }
 

@@ -31,6 +31,12 @@ Trajectory left_camera(const Trajectory& body, const lie::SE3d& T_body_left) {
   return left;
 }
 
+/// T_body_left as the graph found it: what it holds of the camera's pose, turned by what it found.
+lie::SE3d found_camera(const pgo::GraphData& graph) {
+  const auto turn = lie::SO3d::exp(graph.globals.camera_rotation);
+  return graph.T_body_left * lie::SE3d(turn, Eigen::Vector3d::Zero());
+}
+
 void write_trajectories(const fs::path& folder,
                         const SlamResult& result,
                         const StereoCamera& camera,
@@ -103,7 +109,8 @@ void record_run(const fs::path& folder,
                 double map_voxel_m) {
   write_trajectories(folder, result, camera, evaluation);
   pgo::write_g2o(result.graph_data, folder / "graph.g2o");
-  result.map.write_pcd(folder / "map.pcd", result.graph, map_voxel_m);
+  result.map.write_pcd(folder / "map.pcd", result.graph, found_camera(result.graph_data),
+                       map_voxel_m);
   write_file_atomic(folder / "config.yaml", provenance.config_yaml);
   write_json(folder / "metrics.json", metrics_json(result, summary, evaluation), 2);
   write_json(folder / "series.json", series_json(result, evaluation), -1);
