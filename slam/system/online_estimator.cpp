@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "imu_net/preintegration.hpp"
 #include "pgo/prediction.hpp"
 #include "slam/system/batch_estimator.hpp"
+#include "slam/system/inertial_motions.hpp"
 
 namespace imslam::system {
 namespace {
@@ -55,9 +55,9 @@ void OnlineEstimator::add_newest(const Measurements& measurements) {
   const auto& times_ns = measurements.times_ns;
   const int newest = window_->end() - 1;
   const pgo::State& last = window_->newest();
-  const ImuMotion imu_motion = imu::preintegrate(
-      measurements.readings(), last.time_ns, times_ns.back(), last.bias, measurements.imu_noise,
-      window_->globals().time_offset_s, options_.preintegration);
+  const ImuMotion imu_motion =
+      integrate_interval(measurements, last.time_ns, times_ns.back(), last.bias,
+                         window_->globals().time_offset_s, options_.preintegration);
   pgo::State guess = imu_motion.valid ? foretell(imu_motion) : last;
   guess.time_ns = times_ns.back();
   const int added = window_->add_state(guess);

@@ -44,6 +44,9 @@ void SystemOptions::describe(Config& config) {
   config.field("gyro_noise_factor", gyro_noise_factor, "real over stated white noise of the gyro");
   config.field("accel_noise_factor", accel_noise_factor,
                "real over stated white noise of the accelerometer");
+  config.field("gyro_walk_factor", gyro_walk_factor, "real over stated walk of the gyro's bias");
+  config.field("accel_walk_factor", accel_walk_factor,
+               "real over stated walk of the accelerometer's bias");
   config.field("relinearisations", relinearisations,
                "how often at most the IMU is integrated anew at the biases found");
   config.field("covariances", covariances, "compute the uncertainty of the final states");
@@ -72,6 +75,8 @@ void SystemOptions::validate() const {
   require(accel_bias_prior >= 0.0, "accel_bias_prior", accel_bias_prior, "0 or more");
   positive("gyro_noise_factor", gyro_noise_factor);
   positive("accel_noise_factor", accel_noise_factor);
+  positive("gyro_walk_factor", gyro_walk_factor);
+  positive("accel_walk_factor", accel_walk_factor);
   positive("zero_velocity_sigma", zero_velocity_sigma);
   positive("map_max_depth_baselines", map_max_depth_baselines);
   positive("map_voxel_m", map_voxel_m);

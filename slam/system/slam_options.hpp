@@ -27,7 +27,7 @@ struct SystemOptions {
   bool online = true;                   ///< a sliding window also estimates while frames come in
 
   double disparity_offset_prior_px = 2.0;  ///< standard deviation before looking
-  double focal_error_prior = 0.02;         ///< [1] likewise
+  double focal_error_prior = 0.005;        ///< [1] likewise, of a calibrated camera
   double camera_rotation_prior = 0.01;     ///< [rad] likewise, of a camera screwed to its IMU
   /// [rad/s] ImuNoise::gyro_bias_sigma up to which an IMU says how the camera is turned and, in
   /// fine-tuning, what its focal length is: units that compensate themselves. Larger for a gyro
@@ -39,6 +39,8 @@ struct SystemOptions {
   double accel_bias_prior = 0.0;      ///< [m/s^2] likewise
   double gyro_noise_factor = 2.0;     ///< [1] on the datasheet's density: see README, "noise"
   double accel_noise_factor = 8.0;    ///< [1] likewise; vibration and scale errors count as noise
+  double gyro_walk_factor = 8.0;      ///< [1] on its bias walk: warming up is no random walk
+  double accel_walk_factor = 1.0;     ///< [1] likewise
   int relinearisations = 4;  ///< the IMU is integrated anew at the biases found, at most so often
   bool covariances = true;   ///< of the final states, for the report
 

@@ -51,6 +51,8 @@ class SlamSystem::State {
     if (options.system.loops) loops_.emplace(options.loops, options.vo, camera, std::move(load));
     if (!imu_noise) return;
     measurements_.imu_noise = *imu_noise;
+    measurements_.imu_noise.gyro_random_walk *= options.system.gyro_walk_factor;
+    measurements_.imu_noise.accel_random_walk *= options.system.accel_walk_factor;
     if (front_end.imu_network) {
       inertial_front_end_.emplace(std::move(front_end.imu_network), *imu_noise);
       measurements_.imu_noise.gyro_noise_density *= options.imu_network.noise_factor;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "pgo/graph_data.hpp"
 #include "slam/base/random.hpp"
 #include "slam/base/time.hpp"
 #include "slam/system/measurements.hpp"
