@@ -28,7 +28,8 @@ ImuFactor::Linearization linearize(const InertialEdge& edge,
                          to.nav.v_world,
                          {},
                          data.globals.gravity_direction,
-                         data.globals.time_offset_s};
+                         data.globals.time_offset_s,
+                         data.globals.gyro_shape};
   point.bias << from.bias.gyro, from.bias.accel;
   return ImuFactor(edge.motion, edge.sqrt_information, gravity_magnitude).linearize(point);
 }

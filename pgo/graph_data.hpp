@@ -25,6 +25,8 @@ struct Globals {
   double time_offset_s = 0.0;  ///< [s], t_imu = t_camera + time_offset
   /// [rad], true R_body_left = stated Exp(camera_rotation).
   Eigen::Vector3d camera_rotation = Eigen::Vector3d::Zero();
+  /// [1] scale errors and axes askew: reading = (I + gyro_shape) true rate + bias.
+  Eigen::Matrix3d gyro_shape = Eigen::Matrix3d::Zero();
 };
 
 /// A motion that vision measured between two states, consecutive or not.
@@ -84,6 +86,11 @@ struct RotationPrior {
   double sigma = 0.0;                               ///< [rad]
 };
 
+struct ShapePrior {
+  Eigen::Matrix3d value = Eigen::Matrix3d::Zero();  ///< [1]
+  double sigma = 0.0;                               ///< [1] of each entry
+};
+
 /// Names one parameter block of the graph. `state` is ignored for the global ones.
 struct BlockId {
   enum class Kind {
@@ -94,7 +101,8 @@ struct BlockId {
     kDisparityOffset,
     kFocalError,
     kTimeOffset,
-    kCameraRotation
+    kCameraRotation,
+    kGyroShape
   };
   Kind kind = Kind::kPose;
   int state = 0;
@@ -137,6 +145,7 @@ struct GraphData {
   std::vector<ScalarPrior> focal_error_priors;
   std::vector<ScalarPrior> time_offset_priors;
   std::vector<RotationPrior> camera_rotation_priors;
+  std::vector<ShapePrior> gyro_shape_priors;
   MarginalPrior marginal;
 };
 

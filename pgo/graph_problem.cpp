@@ -10,6 +10,8 @@ namespace imslam::pgo {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Vector9 = Eigen::Matrix<double, 9, 1>;
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 ceres::Problem::Options problem_options() {
   ceres::Problem::Options options;
@@ -75,6 +77,7 @@ void GraphProblem::copy_blocks(const GraphData& data) {
   focal_error_ = data.globals.focal_error;
   time_offset_s_ = data.globals.time_offset_s;
   Eigen::Map<Eigen::Vector3d>(camera_rotation_.data()) = data.globals.camera_rotation;
+  Eigen::Map<RowMajor3>(gyro_shape_.data()) = data.globals.gyro_shape;
 }
 
 void GraphProblem::add_visual_edges(const GraphData& data) {
@@ -97,7 +100,7 @@ void GraphProblem::add_inertial_edges(const GraphData& data) {
     inertial_ids_.push_back(problem_->AddResidualBlock(
         &inertial_factors_.back(), nullptr, poses_[from].data(), velocities_[from].data(),
         poses_[to].data(), velocities_[to].data(), biases_[from].data(), gravity_direction_.data(),
-        &time_offset_s_));
+        &time_offset_s_, gyro_shape_.data()));
   }
 }
 
@@ -165,6 +168,12 @@ void GraphProblem::add_global_priors(const GraphData& data) {
     add(std::make_unique<VectorPriorFactor<3>>(prior.value, Eigen::Vector3d::Constant(prior.sigma)),
         camera_rotation_.data());
   }
+  for (const ShapePrior& prior : data.gyro_shape_priors) {
+    const RowMajor3 rows = prior.value;
+    add(std::make_unique<VectorPriorFactor<9>>(Eigen::Map<const Vector9>(rows.data()),
+                                               Vector9::Constant(prior.sigma)),
+        gyro_shape_.data());
+  }
 }
 
 void GraphProblem::add_marginal_prior(const GraphData& data) {
@@ -195,6 +204,7 @@ void GraphProblem::hold_globals() {
   hold(&focal_error_, options_.estimate_focal_error);
   hold(&time_offset_s_, options_.estimate_time_offset);
   hold(camera_rotation_.data(), options_.estimate_camera_rotation);
+  hold(gyro_shape_.data(), options_.estimate_gyro_shape);
 }
 
 double* GraphProblem::block(const BlockId& id) {
@@ -216,6 +226,8 @@ double* GraphProblem::block(const BlockId& id) {
       return &time_offset_s_;
     case BlockId::Kind::kCameraRotation:
       return camera_rotation_.data();
+    case BlockId::Kind::kGyroShape:
+      return gyro_shape_.data();
   }
   throw ContractError("unknown kind of block");
 }
@@ -228,9 +240,10 @@ bool GraphProblem::estimated(const BlockId& id) {
 bool GraphProblem::store(GraphData& data) const {
   const Eigen::Map<const Eigen::Vector3d> gravity(gravity_direction_.data());
   const Eigen::Map<const Eigen::Vector3d> camera_rotation(camera_rotation_.data());
+  const Eigen::Map<const RowMajor3> gyro_shape(gyro_shape_.data());
   if (!all_finite(poses_) || !all_finite(velocities_) || !all_finite(biases_) ||
       !gravity.allFinite() || !std::isfinite(disparity_offset_) || !std::isfinite(focal_error_) ||
-      !std::isfinite(time_offset_s_) || !camera_rotation.allFinite()) {
+      !std::isfinite(time_offset_s_) || !camera_rotation.allFinite() || !gyro_shape.allFinite()) {
     return false;
   }
   for (std::size_t i = 0; i < data.states.size(); ++i) {
@@ -245,6 +258,7 @@ bool GraphProblem::store(GraphData& data) const {
   data.globals.focal_error = focal_error_;
   data.globals.time_offset_s = time_offset_s_;
   data.globals.camera_rotation = camera_rotation;
+  data.globals.gyro_shape = gyro_shape;
   return true;
 }
 

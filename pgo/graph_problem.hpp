@@ -64,6 +64,7 @@ class GraphProblem {
   double focal_error_ = 0.0;
   double time_offset_s_ = 0.0;
   std::array<double, 3> camera_rotation_{};
+  std::array<double, 9> gyro_shape_{};  ///< row by row
 
   PoseManifold pose_manifold_;
   ceres::SphereManifold<3> direction_manifold_;

@@ -13,7 +13,7 @@ std::vector<BlockId> estimated_blocks(GraphProblem& graph, int states) {
     for (Kind kind : {Kind::kPose, Kind::kVelocity, Kind::kBias}) add(kind, i);
   }
   for (Kind kind : {Kind::kGravity, Kind::kDisparityOffset, Kind::kFocalError, Kind::kTimeOffset,
-                    Kind::kCameraRotation}) {
+                    Kind::kCameraRotation, Kind::kGyroShape}) {
     add(kind, 0);
   }
   return blocks;

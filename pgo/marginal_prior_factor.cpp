@@ -49,6 +49,8 @@ int block_size(Kind kind) {
       return 3;
     case Kind::kBias:
       return 6;
+    case Kind::kGyroShape:
+      return 9;
     case Kind::kDisparityOffset:
     case Kind::kFocalError:
     case Kind::kTimeOffset:
@@ -82,7 +84,7 @@ bool MarginalPriorFactor::Evaluate(double const* const* parameters,
   for (std::size_t i = 0; i < prior_.blocks.size(); ++i) {
     const Kind kind = prior_.blocks[i].kind;
     const bool wanted = jacobians != nullptr && jacobians[i] != nullptr;
-    double delta[7];
+    double delta[9];
     difference(kind, parameters[i], prior_.point[i].data(), delta,
                wanted ? &J_difference : nullptr);
     const int dof = tangent_size(kind);

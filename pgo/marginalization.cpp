@@ -65,6 +65,10 @@ void move_to_first_estimates(GraphData& data) {
       case BlockId::Kind::kCameraRotation:
         data.globals.camera_rotation = X;
         break;
+      case BlockId::Kind::kGyroShape:
+        data.globals.gyro_shape =
+            Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(X.data());
+        break;
     }
   }
 }

@@ -30,6 +30,8 @@ void GraphOptions::describe(Config& config) {
                "estimate the time offset between camera and IMU");
   config.field("estimate_camera_rotation", estimate_camera_rotation,
                "estimate how the camera is turned against the IMU beyond what is stated");
+  config.field("estimate_gyro_shape", estimate_gyro_shape,
+               "estimate scale errors and axes askew of a gyro that is not known for good ones");
 }
 
 void GraphOptions::validate() const {

@@ -23,6 +23,7 @@ struct GraphOptions {
   bool estimate_focal_error = false;       ///< needs turns and a gyro that measures them
   bool estimate_time_offset = false;       ///< camera to IMU; needs changing rates
   bool estimate_camera_rotation = false;   ///< against the IMU; needs turns, and axes to trust
+  bool estimate_gyro_shape = false;        ///< its scale and axes; needs turns about all of them
 
   void describe(Config& config);
   void validate() const;

@@ -110,7 +110,8 @@ void PoseVelocityGraph::set_state(int state, const State& value) {
 void PoseVelocityGraph::set_globals(const Globals& globals) {
   expects(globals.gravity_direction.allFinite() && globals.gravity_direction.norm() > 1e-6 &&
               std::isfinite(globals.disparity_offset) && std::isfinite(globals.focal_error) &&
-              std::isfinite(globals.time_offset_s) && globals.camera_rotation.allFinite(),
+              std::isfinite(globals.time_offset_s) && globals.camera_rotation.allFinite() &&
+              globals.gyro_shape.allFinite(),
           "graph: globals must be finite");
   data_.globals = globals;
   data_.globals.gravity_direction.normalize();
@@ -237,6 +238,11 @@ void PoseVelocityGraph::add_camera_rotation_prior(const Eigen::Vector3d& value_r
                                                   double sigma_rad) {
   expects(value_rad.allFinite() && sigma_rad > 0.0, "graph: a prior needs a positive sigma");
   data_.camera_rotation_priors.push_back({value_rad, sigma_rad});
+}
+
+void PoseVelocityGraph::add_gyro_shape_prior(const Eigen::Matrix3d& value, double sigma) {
+  expects(value.allFinite() && sigma > 0.0, "graph: a prior needs a positive sigma");
+  data_.gyro_shape_priors.push_back({value, sigma});
 }
 
 }  // namespace imslam::pgo

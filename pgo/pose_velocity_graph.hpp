@@ -20,6 +20,7 @@ struct GlobalSigmas {
   std::optional<double> focal_error;               ///< [1]
   std::optional<double> time_offset_s;             ///< [s]
   std::optional<Eigen::Vector3d> camera_rotation;  ///< [rad]
+  std::optional<Eigen::Matrix3d> gyro_shape;       ///< [1]
 };
 
 /// How sure the solution is: entries of the inverse of J^T J there. True where the factors'
@@ -31,7 +32,7 @@ struct GraphUncertainty {
 
 /// The pose-velocity graph: per frame a pose, a velocity and an IMU bias; globally the direction of
 /// gravity, the disparity offset, the error of the focal length, and between camera and IMU the
-/// time offset and the error of the stated rotation.
+/// time offset and the error of the stated rotation, and the scale and axes of the gyro.
 ///
 ///   solve() moves the states to   argmin  1/2 sum rho(|r_visual|^2) + 1/2 sum |r_other|^2
 ///
@@ -73,6 +74,7 @@ class PoseVelocityGraph {
   void add_focal_error_prior(double value, double sigma);
   void add_time_offset_prior(double value_s, double sigma_s);
   void add_camera_rotation_prior(const Eigen::Vector3d& value_rad, double sigma_rad);
+  void add_gyro_shape_prior(const Eigen::Matrix3d& value, double sigma);
 
   /// Never throws for numerical reasons; `reason` says what is wrong with an unsolvable graph.
   SolveReport solve(const SolverOptions& options = {});

@@ -57,23 +57,25 @@ GlobalSigmas sigmas_of_globals(const LinearSystem& system, const SelectedInverse
   GlobalSigmas sigmas;
   for (std::size_t b = 0; b < system.blocks.size(); ++b) {
     const Eigen::Index column = system.offsets[b];
-    const auto sigma = [&] { return std::sqrt(std::max(0.0, inverse(column, column))); };
+    const auto sigma_at = [&](Eigen::Index i) {
+      return std::sqrt(std::max(0.0, inverse(column + i, column + i)));
+    };
     switch (system.blocks[b].kind) {
       case BlockId::Kind::kDisparityOffset:
-        sigmas.disparity_offset = sigma();
+        sigmas.disparity_offset = sigma_at(0);
         break;
       case BlockId::Kind::kFocalError:
-        sigmas.focal_error = sigma();
+        sigmas.focal_error = sigma_at(0);
         break;
       case BlockId::Kind::kTimeOffset:
-        sigmas.time_offset_s = sigma();
+        sigmas.time_offset_s = sigma_at(0);
         break;
       case BlockId::Kind::kCameraRotation:
-        sigmas.camera_rotation = Eigen::Vector3d::Zero();
-        for (Eigen::Index axis = 0; axis < 3; ++axis) {
-          (*sigmas.camera_rotation)[axis] =
-              std::sqrt(std::max(0.0, inverse(column + axis, column + axis)));
-        }
+        sigmas.camera_rotation.emplace(sigma_at(0), sigma_at(1), sigma_at(2));
+        break;
+      case BlockId::Kind::kGyroShape:
+        sigmas.gyro_shape.emplace();
+        for (Eigen::Index i = 0; i < 9; ++i) (*sigmas.gyro_shape)(i / 3, i % 3) = sigma_at(i);
         break;
       default:
         break;

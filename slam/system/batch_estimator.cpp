@@ -53,6 +53,7 @@ class BatchEstimator {
     graph_options.estimate_time_offset = false;
     graph_options.estimate_focal_error = false;  // vision alone cannot tell it from the turn
     graph_options.estimate_camera_rotation = false;
+    graph_options.estimate_gyro_shape = false;
     pgo::PoseVelocityGraph graph = vision_graph(start, graph_options);
     graph.anchor_pose(0, start.front().nav.T_world_body);
     for (std::size_t i = 1; i < start.size(); ++i) {
@@ -154,6 +155,8 @@ class BatchEstimator {
     graph_options.estimate_camera_rotation =
         graph_options.estimate_camera_rotation &&
         measurements_.imu_noise.gyro_bias_sigma <= system.trusted_gyro_bias;
+    graph_options.estimate_gyro_shape =
+        graph_options.estimate_gyro_shape && measurements_.gyro_shape_sigma > 0.0;
     pgo::PoseVelocityGraph graph = vision_graph(start, graph_options);
     graph.set_globals(globals);
     for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -173,6 +176,9 @@ class BatchEstimator {
     graph.add_focal_error_prior(0.0, system.focal_error_prior);
     graph.add_time_offset_prior(system.time_offset_s, system.time_offset_prior_s);
     graph.add_camera_rotation_prior(Eigen::Vector3d::Zero(), system.camera_rotation_prior);
+    if (graph_options.estimate_gyro_shape) {
+      graph.add_gyro_shape_prior(Eigen::Matrix3d::Zero(), measurements_.gyro_shape_sigma);
+    }
     if (system.zero_velocity) hold_still_stretches(motions, graph);
     return graph;
   }
@@ -249,6 +255,9 @@ class BatchEstimator {
     if (graph.options().estimate_camera_rotation) {
       out_.camera_rotation = VectorEstimate{globals.camera_rotation, std::nullopt};
     }
+    if (graph.options().estimate_gyro_shape) {
+      out_.gyro_shape = ShapeEstimate{globals.gyro_shape, std::nullopt};
+    }
     if (!options_.system.covariances) return;
     const auto uncertainty = graph.uncertainty();
     if (!uncertainty) return;
@@ -265,6 +274,7 @@ class BatchEstimator {
     if (sigmas.disparity_offset) out_.disparity_offset_px.sigma = sigmas.disparity_offset;
     if (out_.focal_error) out_.focal_error->sigma = sigmas.focal_error;
     if (out_.camera_rotation) out_.camera_rotation->sigma = sigmas.camera_rotation;
+    if (out_.gyro_shape) out_.gyro_shape->sigma = sigmas.gyro_shape;
     if (out_.time_offset_s && sigmas.time_offset_s) {
       out_.time_offset_s->sigma = sigmas.time_offset_s;
     }

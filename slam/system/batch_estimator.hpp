@@ -23,6 +23,7 @@ struct BatchEstimate {
   std::optional<Estimate> focal_error;  ///< [1]
   std::optional<Estimate> time_offset_s;
   std::optional<VectorEstimate> camera_rotation;  ///< [rad]
+  std::optional<ShapeEstimate> gyro_shape;        ///< [1]
   std::vector<float> position_sigma_m;            ///< per frame; empty if not asked for
   std::vector<bool> imu_gap;   ///< per frame: a gap or saturation since the one before
   std::vector<bool> conflict;  ///< per frame: see rotation_conflicts()

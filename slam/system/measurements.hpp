@@ -32,6 +32,7 @@ struct Measurements {
   std::vector<ImuSample> imu;  ///< strictly increasing stamps; empty: no IMU, or see lend_imu()
   imu::ImuRange lent_imu;      ///< instead of `imu`
   ImuNoise imu_noise;
+  double gyro_shape_sigma = 0.0;         ///< [1] of each scale and axis of the gyro; 0: as stated
   std::vector<BiasBelief> bias_beliefs;  ///< one per axis and sensor, or none
 
   /// Appends a reading that its owner keeps where it is. As long as each lies behind the one before

@@ -41,6 +41,21 @@ std::string calibration_lines(const Json& calibration) {
   return text;
 }
 
+/// How the scale of each axis of a coarse gyro is off.
+std::string scale_line(const Json& calibration) {
+  const Json value = calibration.value("gyro_shape", Json());
+  if (value.is_null()) return "";
+  std::string text = fmt::format("{:<28}", "Gyro, errors of scale [%]");
+  const Json sigma = calibration.value("gyro_shape_sigma", Json());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    text += fmt::format("{:>12.3f}", 100.0 * value.at(axis).at(axis).get<double>());
+    if (!sigma.is_null()) {
+      text += fmt::format(" +- {:.3f}", 100.0 * sigma.at(axis).at(axis).get<double>());
+    }
+  }
+  return text + "\n";
+}
+
 /// How the camera is turned about its three axes, where an IMU says so.
 std::string rotation_line(const Json& calibration) {
   constexpr double kDegrees = 180.0 / M_PI;
@@ -80,7 +95,7 @@ std::string metrics_table(const Json& metrics) {
       metrics.at("path_length_m").get<double>(), metrics.at("duration_s").get<double>(),
       metrics.at("frames_per_second").get<double>(), 100.0 * metrics.at("coverage").get<double>());
   const Json calibration = metrics.value("calibration", Json::object());
-  table += calibration_lines(calibration) + rotation_line(calibration);
+  table += calibration_lines(calibration) + rotation_line(calibration) + scale_line(calibration);
   if (!metrics.contains("graph")) return table + "no ground truth: no errors to report\n";
   std::vector<std::string> columns = {"vo", "graph"};
   if (metrics.contains("online")) columns.emplace_back("online");

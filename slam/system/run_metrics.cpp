@@ -34,6 +34,10 @@ Json consistency_block(const evaluation::MotionConsistency& c) {
 
 Json vector3(const Eigen::Vector3d& v) { return {number(v.x()), number(v.y()), number(v.z())}; }
 
+Json rows_of(const Eigen::Matrix3d& m) {
+  return {vector3(m.row(0)), vector3(m.row(1)), vector3(m.row(2))};
+}
+
 Json calibration_block(const SlamResult& result) {
   Json block = {{"disparity_offset_px", number(result.disparity_offset_px.value)},
                 {"disparity_offset_sigma_px", number(result.disparity_offset_px.sigma)}};
@@ -46,6 +50,10 @@ Json calibration_block(const SlamResult& result) {
     if (result.camera_rotation->sigma) {
       block["camera_rotation_sigma_rad"] = vector3(*result.camera_rotation->sigma);
     }
+  }
+  if (result.gyro_shape) {
+    block["gyro_shape"] = rows_of(result.gyro_shape->value);
+    if (result.gyro_shape->sigma) block["gyro_shape_sigma"] = rows_of(*result.gyro_shape->sigma);
   }
   if (result.time_offset_s) {
     block["time_offset_s"] = number(result.time_offset_s->value);

@@ -33,6 +33,10 @@ void SystemOptions::describe(Config& config) {
                "[rad] standard deviation of the camera's stated rotation before looking");
   config.field("trusted_gyro_bias", trusted_gyro_bias,
                "[rad/s] an IMU whose biases may be larger does not say how the camera is turned");
+  config.field("coarse_gyro_noise", coarse_gyro_noise,
+               "[rad/s/sqrt(Hz)] stated noise from which a gyro's scale and axes are estimated");
+  config.field("gyro_shape_prior", gyro_shape_prior,
+               "[1] standard deviation of a coarse gyro's scale and axes before looking");
   config.field("time_offset_s", time_offset_s,
                "[s] time offset to expect: stamp of the IMU less that of the camera");
   config.field("time_offset_prior_s", time_offset_prior_s,
@@ -68,6 +72,8 @@ void SystemOptions::validate() const {
   positive("disparity_offset_prior_px", disparity_offset_prior_px);
   positive("focal_error_prior", focal_error_prior);
   positive("camera_rotation_prior", camera_rotation_prior);
+  positive("coarse_gyro_noise", coarse_gyro_noise);
+  positive("gyro_shape_prior", gyro_shape_prior);
   require(trusted_gyro_bias >= 0.0, "trusted_gyro_bias", trusted_gyro_bias, "0 or more");
   require(std::abs(time_offset_s) <= 1.0, "time_offset_s", time_offset_s, "between -1 and 1");
   positive("time_offset_prior_s", time_offset_prior_s);

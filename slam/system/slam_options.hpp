@@ -33,6 +33,10 @@ struct SystemOptions {
   /// fine-tuning, what its focal length is: units that compensate themselves. Larger for a gyro
   /// whose scale and axes were calibrated; those of a phone are askew themselves.
   double trusted_gyro_bias = 5e-3;
+  /// [rad/s/sqrt(Hz)] stated noise from which a gyro counts as coarse: its scale and axes are then
+  /// estimated. Better ones were calibrated with more care than a run can spend.
+  double coarse_gyro_noise = 2.5e-4;
+  double gyro_shape_prior = 0.005;    ///< [1] of a coarse gyro, each scale and axis, before looking
   double time_offset_s = 0.0;         ///< to expect: stamp of the IMU less the camera's
   double time_offset_prior_s = 0.02;  ///< standard deviation before looking
   double gyro_bias_prior = 0.0;       ///< [rad/s] likewise; 0: what the sensor's kind allows
@@ -64,6 +68,7 @@ struct SlamOptions {
     pgo.estimate_focal_error = true;
     pgo.estimate_time_offset = true;
     pgo.estimate_camera_rotation = true;
+    pgo.estimate_gyro_shape = true;
   }
 
   SystemOptions system;

@@ -29,6 +29,12 @@ struct VectorEstimate {
   std::optional<Eigen::Vector3d> sigma;
 };
 
+/// The same of a gyro's scale and axes: reading = (I + value) true rate + bias.
+struct ShapeEstimate {
+  Eigen::Matrix3d value = Eigen::Matrix3d::Zero();
+  std::optional<Eigen::Matrix3d> sigma;
+};
+
 /// What happened on the way; all of it goes into metrics.json.
 struct Counters {
   std::size_t frames = 0;
@@ -69,6 +75,7 @@ struct SlamResult {
   std::optional<Estimate> focal_error;  ///< [1], empty without a gyro to compare with
   std::optional<Estimate> time_offset_s;
   std::optional<VectorEstimate> camera_rotation;  ///< [rad], empty without an IMU to trust
+  std::optional<ShapeEstimate> gyro_shape;        ///< [1], empty without a coarse gyro
   double gravity_m_s2 = 0.0;
 
   Counters counters;

@@ -51,6 +51,9 @@ class SlamSystem::State {
     if (options.system.loops) loops_.emplace(options.loops, options.vo, camera, std::move(load));
     if (!imu_noise) return;
     measurements_.imu_noise = *imu_noise;
+    if (imu_noise->gyro_noise_density >= options.system.coarse_gyro_noise) {
+      measurements_.gyro_shape_sigma = options.system.gyro_shape_prior;
+    }
     measurements_.imu_noise.gyro_random_walk *= options.system.gyro_walk_factor;
     measurements_.imu_noise.accel_random_walk *= options.system.accel_walk_factor;
     if (front_end.imu_network) {
@@ -257,6 +260,7 @@ SlamResult SlamSystem::State::finish() {
   result_.focal_error = batch.focal_error;
   result_.time_offset_s = batch.time_offset_s;
   result_.camera_rotation = batch.camera_rotation;
+  result_.gyro_shape = batch.gyro_shape;
   result_.gravity_m_s2 = options_.pgo.gravity_magnitude;
   result_.warnings = std::move(batch.warnings);
   if (inertial_) {

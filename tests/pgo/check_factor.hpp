@@ -22,6 +22,12 @@ inline Block pose_block(const lie::SE3d& pose) {
 
 inline Block vector_block(const Eigen::VectorXd& x) { return {x.data(), x.data() + x.size()}; }
 
+/// Row by row.
+inline Block shape_block(const Eigen::Matrix3d& shape) {
+  const Eigen::Matrix3d columns = shape.transpose();
+  return {columns.data(), columns.data() + 9};
+}
+
 /// Compares the analytic Jacobians of a factor, on the manifolds of its blocks, with Ridders'
 /// numeric derivatives. Blocks of seven numbers are poses, those named are directions.
 inline void expect_jacobians_match(const ceres::CostFunction& factor,

@@ -12,6 +12,7 @@
 namespace imslam::pgo {
 namespace {
 
+using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 using lie::SE3d;
@@ -22,6 +23,7 @@ using testing::numeric_jacobian;
 using testing::pose_block;
 using testing::random_matrix;
 using testing::random_pose;
+using testing::shape_block;
 using testing::Vector6;
 using testing::Vector9;
 using testing::vector_block;
@@ -118,13 +120,14 @@ ImuCase imu_case(Random& random, double angle, const Vector9& measurement_step) 
   at.T_world_body0 = random_pose(random, 3.0);
   at.bias = 0.2 * random_matrix<6, 1>(random);
   at.time_offset_s = -0.03;
+  at.gyro_shape = 0.1 * random_matrix<3, 3>(random);
   Vector6 db = at.bias;
   db.head<3>() -= motion.bias.gyro;
   db.tail<3>() -= motion.bias.accel;
   const Vector3d x = motion.J_dR_bias * db + motion.J_time_offset.head<3>() * -0.04;
-  at.T_world_body1 = SE3d{at.T_world_body0.rotation() * motion.dR * SO3d::exp(x) *
-                              SO3d::exp(angle * random.normal3().normalized()),
-                          random.normal3()};
+  const SO3d read = motion.dR * SO3d::exp(x) * SO3d::exp(angle * random.normal3().normalized());
+  const SO3d turn = SO3d::exp((Matrix3d::Identity() + at.gyro_shape).inverse() * read.log());
+  at.T_world_body1 = SE3d{at.T_world_body0.rotation() * turn, random.normal3()};
   at.v0_world = random.normal3();
   at.v1_world = random.normal3();
   at.gravity_direction = random.normal3().normalized();
@@ -147,7 +150,8 @@ TEST(ImuFactor, JacobiansMatchNumericDerivatives) {
                             vector_block(c.at.v1_world),
                             vector_block(c.at.bias),
                             vector_block(c.at.gravity_direction),
-                            {c.at.time_offset_s}},
+                            {c.at.time_offset_s},
+                            shape_block(c.at.gyro_shape)},
                            5);
   }
 }
@@ -181,6 +185,26 @@ TEST(ImuFactor, VanishesWhereTheStatesObeyTheMotion) {
   EXPECT_LT(factor.residual(at).norm(), 1e-14);
   at.gravity_direction = Vector3d::UnitZ();
   EXPECT_GT(factor.residual(at).norm(), 1.0);
+}
+
+/// A body that turns steadily, read by a gyro whose axes are off by the shape.
+TEST(ImuFactor, VanishesWhereACoarseGyroTurnsSteadily) {
+  Random random(23);
+  for (double angle : {0.05, 0.3, 1.5}) {
+    const Vector3d turn = angle * random.normal3().normalized();
+    ImuMotion motion;
+    motion.dt_s = 0.1;
+    ImuFactor::Point at;
+    at.gyro_shape = 1e-3 * random_matrix<3, 3>(random);
+    motion.dR = SO3d::exp(turn + at.gyro_shape * turn);
+    at.T_world_body1 = SE3d(SO3d::exp(turn), Vector3d::Zero());
+    const ImuFactor factor(motion, Eigen::Matrix<double, 9, 9>::Identity(), 9.81);
+    const double right = factor.residual(at).head<3>().norm();
+    at.gyro_shape.setZero();
+    const double ignored = factor.residual(at).head<3>().norm();
+    EXPECT_GT(ignored, 2e-4 * angle);
+    EXPECT_LT(right, 1e-12);
+  }
 }
 
 TEST(PriorFactors, JacobiansMatchNumericDerivatives) {
@@ -230,20 +254,25 @@ TEST(MarginalPriorFactor, JacobiansMatchNumericDerivatives) {
     const Vector6 b = random_matrix<6, 1>(random);
     MarginalPrior prior;
     using Kind = BlockId::Kind;
-    prior.blocks = {{Kind::kPose, 0},
-                    {Kind::kVelocity, 0},
-                    {Kind::kBias, 0},
-                    {Kind::kGravity, 0},
-                    {Kind::kTimeOffset, 0}};
+    prior.blocks = {{Kind::kPose, 0},    {Kind::kVelocity, 0},   {Kind::kBias, 0},
+                    {Kind::kGravity, 0}, {Kind::kTimeOffset, 0}, {Kind::kGyroShape, 0}};
     const testing::Block X_block = pose_block(X);
-    prior.point = {Eigen::Map<const VectorXd>(X_block.data(), 7), random.normal3(),
-                   random_matrix<6, 1>(random), N, Eigen::VectorXd::Constant(1, 0.3)};
-    prior.J = random_matrix<12, 18>(random);
+    prior.point = {Eigen::Map<const VectorXd>(X_block.data(), 7),
+                   random.normal3(),
+                   random_matrix<6, 1>(random),
+                   N,
+                   Eigen::VectorXd::Constant(1, 0.3),
+                   random_matrix<9, 1>(random)};
+    prior.J = random_matrix<12, 27>(random);
     prior.residual = random_matrix<12, 1>(random);
-    expect_jacobians_match(
-        MarginalPriorFactor(prior),
-        {pose_block(x), vector_block(random.normal3()), vector_block(b), vector_block(n), {0.1}},
-        3);
+    expect_jacobians_match(MarginalPriorFactor(prior),
+                           {pose_block(x),
+                            vector_block(random.normal3()),
+                            vector_block(b),
+                            vector_block(n),
+                            {0.1},
+                            vector_block(random_matrix<9, 1>(random))},
+                           3);
   }
 }
 

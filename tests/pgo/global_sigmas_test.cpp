@@ -19,6 +19,7 @@ constexpr double kOffsetPrior_px = 1.0;
 constexpr double kFocalPrior = 0.02;
 constexpr double kTimePrior_s = 0.02;
 constexpr double kTurnPrior_rad = 0.01;
+constexpr double kShapePrior = 0.02;
 
 const lie::SE3d kT_body_left(lie::SO3d::exp({0.3, -0.2, 1.2}), Eigen::Vector3d(0.05, 0.02, -0.01));
 
@@ -29,6 +30,7 @@ GraphOptions everything_estimated() {
   options.estimate_focal_error = true;
   options.estimate_time_offset = true;
   options.estimate_camera_rotation = true;
+  options.estimate_gyro_shape = true;
   return options;
 }
 
@@ -55,7 +57,7 @@ RelativeMotion noisy_visual_motion(const State& a,
   return motion;
 }
 
-/// What an IMU measures whose clock is off, and noise. Rates change along the path.
+/// What an IMU measures whose clock and gyro are off, and noise. Rates change along the path.
 ImuMotion noisy_imu_motion(
     const State& a, const State& b, double phase, const Globals& truth, Random& random) {
   ImuMotion motion = exact_imu_motion(a, b);
@@ -65,6 +67,8 @@ ImuMotion noisy_imu_motion(
   error << random.normal3(), random.normal3(), random.normal3();
   error = error.cwiseProduct(motion.covariance.diagonal().cwiseSqrt()) -
           motion.J_time_offset * truth.time_offset_s;
+  const Eigen::Vector3d turn = motion.dR.log();
+  motion.dR = lie::SO3d::exp(turn + truth.gyro_shape * turn);
   motion.dR = motion.dR * lie::SO3d::exp(error.head<3>());
   motion.dv += error.segment<3>(3);
   motion.dp += error.tail<3>();
@@ -77,6 +81,7 @@ Globals draw_globals(Random& random) {
   globals.focal_error = kFocalPrior * random.normal();
   globals.time_offset_s = kTimePrior_s * random.normal();
   globals.camera_rotation = kTurnPrior_rad * random.normal3();
+  for (double& entry : globals.gyro_shape.reshaped()) entry = kShapePrior * random.normal();
   return globals;
 }
 
@@ -99,6 +104,7 @@ PoseVelocityGraph noisy_graph(const std::vector<State>& states,
   graph.add_time_offset_prior(0.0, kTimePrior_s);
   graph.set_camera(kT_body_left);
   graph.add_camera_rotation_prior(Eigen::Vector3d::Zero(), kTurnPrior_rad);
+  graph.add_gyro_shape_prior(Eigen::Matrix3d::Zero(), kShapePrior);
   return graph;
 }
 
@@ -107,6 +113,7 @@ TEST(GlobalSigmas, AreThoseOfTheErrorsOfManyRuns) {
   const auto states = testing::wavy_states(30);
   Random random(5);
   Vector6 squares = Vector6::Zero();  // of errors in standard deviations
+  Eigen::Matrix3d shape_squares = Eigen::Matrix3d::Zero();
   for (int run = 0; run < kRuns; ++run) {
     const Globals truth = draw_globals(random);
     PoseVelocityGraph graph = noisy_graph(states, truth, random);
@@ -127,10 +134,17 @@ TEST(GlobalSigmas, AreThoseOfTheErrorsOfManyRuns) {
     errors.tail<3>() =
         (found.camera_rotation - truth.camera_rotation).cwiseQuotient(*sigmas.camera_rotation);
     squares += errors.cwiseAbs2() / kRuns;
+    EXPECT_LT(sigmas.gyro_shape->mean(), 0.9 * kShapePrior);
+    shape_squares +=
+        (found.gyro_shape - truth.gyro_shape).cwiseQuotient(*sigmas.gyro_shape).cwiseAbs2() / kRuns;
   }
   for (const double square : squares) {  // chance alone moves the root by 6 %
     EXPECT_GT(std::sqrt(square), 1.0 / 1.25) << squares.transpose();
     EXPECT_LT(std::sqrt(square), 1.25) << squares.transpose();
+  }
+  for (const double square : shape_squares.reshaped()) {
+    EXPECT_GT(std::sqrt(square), 1.0 / 1.25) << shape_squares;
+    EXPECT_LT(std::sqrt(square), 1.25) << shape_squares;
   }
 }
 
@@ -139,6 +153,7 @@ TEST(GlobalSigmas, AreEmptyForWhatIsHeld) {
   options.estimate_focal_error = false;
   options.estimate_time_offset = false;
   options.estimate_camera_rotation = false;
+  options.estimate_gyro_shape = false;
   auto graph = testing::chain_graph(testing::wavy_states(4), options, true, 0.0);
   graph.add_disparity_offset_prior(0.0, 0.5);
   const auto uncertainty = graph.uncertainty();
@@ -147,6 +162,7 @@ TEST(GlobalSigmas, AreEmptyForWhatIsHeld) {
   EXPECT_FALSE(uncertainty->globals.focal_error);
   EXPECT_FALSE(uncertainty->globals.time_offset_s);
   EXPECT_FALSE(uncertainty->globals.camera_rotation);
+  EXPECT_FALSE(uncertainty->globals.gyro_shape);
 }
 
 }  // namespace

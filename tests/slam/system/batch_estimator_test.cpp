@@ -185,6 +185,35 @@ TEST(EstimateBatch, TheAxesOfAPhonesGyroDoNotTurnTheCamera) {
   EXPECT_EQ(estimate.graph.globals.camera_rotation, Eigen::Vector3d::Zero());
 }
 
+/// Read by a gyro whose scale and axes are off.
+Measurements with_coarse_gyro(const SineWorld& world, const Eigen::Matrix3d& shape) {
+  Measurements measurements = world.measure();
+  for (ImuSample& sample : measurements.imu) {
+    sample.angular_velocity += shape * sample.angular_velocity;
+  }
+  return measurements;
+}
+
+TEST(EstimateBatch, VisionTellsTheScaleAndTheAxesOfACoarseGyro) {
+  const SineWorld world;
+  Eigen::Matrix3d shape;
+  shape << 0.006, 0.003, -0.004, -0.002, -0.008, 0.003, 0.004, 0.002, 0.005;
+  Measurements measurements = with_coarse_gyro(world, shape);
+  const auto believed = estimate_batch(measurements, {}, {});
+  EXPECT_FALSE(believed.gyro_shape);
+  EXPECT_EQ(believed.graph.globals.gyro_shape, Eigen::Matrix3d::Zero());
+  measurements.gyro_shape_sigma = 0.01;
+  SlamOptions options;
+  options.pgo.estimate_focal_error = false;  // would take up what all axes have in common
+  const auto estimate = estimate_batch(measurements, {}, options);
+  ASSERT_TRUE(estimate.gyro_shape && estimate.gyro_shape->sigma);
+  EXPECT_LT((estimate.gyro_shape->value - shape).cwiseAbs().maxCoeff(), 1e-3)
+      << estimate.gyro_shape->value << "\n"
+      << *estimate.gyro_shape->sigma;
+  EXPECT_LT(estimate.gyro_shape->sigma->maxCoeff(), 5e-3);
+  EXPECT_LT(estimate.report.cost, 0.5 * believed.report.cost);
+}
+
 /// As if the images within [from_s, to_s) were shown backwards.
 void reverse_odometry(Measurements& measurements, double from_s, double to_s) {
   for (RelativeMotion& motion : measurements.odometry) {
