@@ -29,6 +29,12 @@ std::optional<GyroRotation> between(const std::vector<ImuMotion>& inertial,
 
 }  // namespace
 
+bool contradicts(const lie::SO3d& gyro, double gyro_variance, const RelativeMotion& vision) {
+  const double variance = gyro_variance + vision.covariance.bottomRightCorner<3, 3>().trace();
+  const double angle = (gyro.inverse() * vision.T_body0_body1.rotation()).log().norm();
+  return angle >= std::max(kSmallest_rad, kSigmas * std::sqrt(variance));
+}
+
 std::vector<bool> rotation_conflicts(const Measurements& measurements,
                                      const std::vector<ImuMotion>& inertial) {
   std::vector<bool> conflicts(measurements.times_ns.size(), false);
@@ -37,10 +43,7 @@ std::vector<bool> rotation_conflicts(const Measurements& measurements,
     const auto to = measurements.frame_at(motion.time1_ns);
     if (!from || !to || *to > inertial.size()) continue;
     const auto gyro = between(inertial, *from, *to);
-    if (!gyro) continue;
-    const double variance = gyro->variance + motion.covariance.bottomRightCorner<3, 3>().trace();
-    const double angle = (gyro->dR.inverse() * motion.T_body0_body1.rotation()).log().norm();
-    if (angle < std::max(kSmallest_rad, kSigmas * std::sqrt(variance))) continue;
+    if (!gyro || !contradicts(gyro->dR, gyro->variance, motion)) continue;
     std::fill(conflicts.begin() + static_cast<std::ptrdiff_t>(*from) + 1,
               conflicts.begin() + static_cast<std::ptrdiff_t>(*to) + 1, true);
   }

@@ -8,10 +8,14 @@
 
 namespace imslam::system {
 
-/// Frames to which vision and gyro report different rotations: a splice, a piece played backwards,
-/// a large thing that moves with the camera. Per frame of the measurements:
+/// Whether a gyro that turned by `gyro` over the same time, variance of all axes together [rad^2],
+/// says something else:
 ///
-///   angle of dR^-1 R_vision > max(0.5 deg, 8 sigma)
+///   angle of gyro^-1 R_vision > max(0.5 deg, 8 sigma)
+bool contradicts(const lie::SO3d& gyro, double gyro_variance, const RelativeMotion& vision);
+
+/// Frames to which vision and gyro report different rotations: a splice, a piece played backwards,
+/// a large thing that moves with the camera. Per frame of the measurements.
 ///
 /// `inertial`: per interval, at the bias found. Motions over several intervals are compared as a
 /// whole. False where one of the two is missing or degraded.

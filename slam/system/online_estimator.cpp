@@ -3,7 +3,9 @@
 #include <utility>
 
 #include "pgo/prediction.hpp"
+#include "slam/base/time.hpp"
 #include "slam/system/batch_estimator.hpp"
+#include "slam/system/conflicts.hpp"
 #include "slam/system/inertial_motions.hpp"
 
 namespace imslam::system {
@@ -14,6 +16,8 @@ constexpr std::size_t kFirstTry = 40;  // [frames]
 constexpr std::size_t kRetry = 20;     // [frames]
 /// A start over more frames than this would stall the stream; a later stretch must do.
 constexpr std::size_t kLongestStart = 200;  // [frames]
+/// A gyro that contradicts vision for longer may be the one that is wrong.
+constexpr double kLongestRefusal_s = 2.0;
 
 }  // namespace
 
@@ -42,6 +46,7 @@ void OnlineEstimator::try_to_start(const Measurements& measurements,
   for (const pgo::State& state : graph.states()) {
     trajectory_.add(state.time_ns, state.nav.T_world_body);
   }
+  agreed_ns_ = measurements.times_ns.back();
   window_.emplace(std::move(graph), options_.window);
 }
 
@@ -49,6 +54,22 @@ pgo::State OnlineEstimator::foretell(const ImuMotion& motion) const {
   const Eigen::Vector3d gravity =
       options_.pgo.gravity_magnitude * window_->globals().gravity_direction;
   return pgo::predict(window_->newest(), motion, gravity, window_->globals().time_offset_s);
+}
+
+bool OnlineEstimator::refuses(const RelativeMotion& motion,
+                              int from,
+                              const pgo::State& guess,
+                              const ImuMotion& imu_motion) {
+  if (!imu_motion.valid || imu_motion.degraded || from < window_->first()) return false;
+  const lie::SO3d turn = window_->state(from).nav.T_world_body.rotation().inverse() *
+                         guess.nav.T_world_body.rotation();
+  const double intervals = to_seconds(motion.time1_ns - motion.time0_ns) / imu_motion.dt_s;
+  const double variance = intervals * imu_motion.covariance.topLeftCorner<3, 3>().trace();
+  if (!contradicts(turn, variance, motion)) {
+    agreed_ns_ = motion.time1_ns;
+    return false;
+  }
+  return to_seconds(motion.time1_ns - agreed_ns_) <= kLongestRefusal_s;
 }
 
 void OnlineEstimator::add_newest(const Measurements& measurements) {
@@ -65,7 +86,10 @@ void OnlineEstimator::add_newest(const Measurements& measurements) {
   if (!measurements.odometry.empty() && measurements.odometry.back().time1_ns == times_ns.back()) {
     const RelativeMotion& motion = measurements.odometry.back();
     const auto from = measurements.frame_at(motion.time0_ns);
-    if (from) connected |= window_->add_visual_edge(static_cast<int>(*from), added, motion);
+    const int start = from ? static_cast<int>(*from) : -1;
+    if (from && !refuses(motion, start, guess, imu_motion)) {
+      connected |= window_->add_visual_edge(start, added, motion);
+    }
   }
   if (!connected) {
     Trajectory step;

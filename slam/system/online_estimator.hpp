@@ -37,11 +37,18 @@ class OnlineEstimator {
  private:
   void try_to_start(const Measurements& measurements, const Estimate& disparity_offset);
   void add_newest(const Measurements& measurements);
+  /// Whether the gyro says that the newest motion is not the body's; `guess`: the newest state as
+  /// the IMU has it.
+  bool refuses(const RelativeMotion& motion,
+               int from,
+               const pgo::State& guess,
+               const ImuMotion& imu_motion);
 
   const SlamOptions options_;
   std::optional<pgo::SlidingWindow> window_;
   Trajectory trajectory_;
-  std::size_t next_try_ = 0;  ///< number of frames at which a start is tried again
+  std::size_t next_try_ = 0;    ///< number of frames at which a start is tried again
+  std::int64_t agreed_ns_ = 0;  ///< when vision and gyro last said the same
 };
 
 }  // namespace imslam::system

@@ -47,6 +47,42 @@ TEST(OnlineEstimator, SurvivesHolesInVisionAndImu) {
   EXPECT_LT(world.largest_error(online.trajectory()), 0.1);
 }
 
+/// As if something that turns by itself filled the images for a while.
+void turn_vision(Measurements& measurements, std::size_t from, std::size_t to) {
+  for (std::size_t i = from; i < to; ++i) {
+    lie::SE3d& T = measurements.odometry[i].T_body0_body1;
+    T = T * lie::SE3d(lie::SO3d::exp({0.0, 0.08, 0.0}), {0.05, 0.0, 0.02});
+  }
+}
+
+TEST(OnlineEstimator, LeavesOutMotionsThatTheGyroContradicts) {
+  const SineWorld world;
+  Measurements all = world.measure();
+  turn_vision(all, 70, 75);
+  OnlineEstimator online{SlamOptions()};
+  stream(all, online);
+  EXPECT_LT(world.largest_error(online.trajectory()), 0.05);  // 0.25 m were added
+}
+
+TEST(OnlineEstimator, AGyroThatContradictsForSecondsIsNotBelieved) {
+  const SineWorld world;
+  Measurements all = world.measure();
+  OnlineEstimator with_all{SlamOptions()};
+  turn_vision(all, 60, all.odometry.size());
+  stream(all, with_all);
+  OnlineEstimator without{SlamOptions()};
+  all.odometry.erase(all.odometry.begin() + 60, all.odometry.end());
+  stream(all, without);
+  const auto apart = [&](std::size_t frame) {
+    return (with_all.trajectory().poses[frame].translation() -
+            without.trajectory().poses[frame].translation())
+        .norm();
+  };
+  ASSERT_EQ(with_all.trajectory().size(), all.times_ns.size());
+  EXPECT_LT(apart(95), 1e-6);   // refused
+  EXPECT_GT(apart(115), 1e-2);  // taken in after 2 s
+}
+
 TEST(OnlineEstimator, WithoutAnImuThereIsNothingToAdd) {
   const SineWorld world;
   Measurements all = world.measure();
