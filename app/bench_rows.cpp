@@ -109,7 +109,9 @@ Prepare learn_before(const adaptation::AdaptationOptions& adaptation,
                                      system::RunRequest& request) {
     system::RunRequest quiet;
     quiet.keep_going = [](std::size_t, std::size_t) { return !interrupted(); };
-    const adaptation::EpochRequest epoch{sequence, options, adaptation, quiet};
+    system::SlamOptions teaching = options;
+    if (teaching.pgo.kernel == "cauchy") teaching.pgo.kernel = adaptation::kTeachingKernel;
+    const adaptation::EpochRequest epoch{sequence, teaching, adaptation, quiet};
     learner::TrainingRequest training;
     training.folder = folder / sequence.name();
     training.resume = !force;

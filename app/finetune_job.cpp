@@ -150,6 +150,7 @@ void FinetuneJob::prepare() {
   if (!suite_given && (arguments_.jobs > 1 || !arguments_.root.empty())) {
     throw InputError("--jobs and --root are for suites", ExitCode::kUsage);
   }
+  settings_.config().set(std::string("pgo.kernel=") + adaptation::kTeachingKernel, "finetune");
   system::Suite suite;
   if (suite_given) suite = system::read_suite(find_config(arguments_.dataset));
   if (!suite.config.empty()) settings_.config().load_file(find_config(suite.config));

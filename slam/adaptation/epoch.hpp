@@ -22,6 +22,10 @@ struct Epoch {
   training::InertialLog log;  ///< of the teacher, where there is an IMU
 };
 
+/// The kernel of a graph that teaches. Covariances learn with the weights of the edges held, which
+/// is exact where those that fit weigh 1, as Huber's do and Cauchy's do not.
+inline constexpr const char* kTeachingKernel = "huber";
+
 /// Which sequence and how it is run.
 struct EpochRequest {
   datasets::Sequence& sequence;

@@ -64,6 +64,8 @@ struct SystemOptions {
 struct SlamOptions {
   /// The graph of a run estimates the calibration unless told otherwise (pgo.estimate_...).
   SlamOptions() {
+    // A motion that follows a moving thing pulls at Huber's kernel however far off it is.
+    pgo.kernel = "cauchy";
     pgo.estimate_disparity_offset = true;
     pgo.estimate_focal_error = true;
     pgo.estimate_time_offset = true;
