@@ -110,7 +110,10 @@ Prepare learn_before(const adaptation::AdaptationOptions& adaptation,
     system::RunRequest quiet;
     quiet.keep_going = [](std::size_t, std::size_t) { return !interrupted(); };
     system::SlamOptions teaching = options;
-    if (teaching.pgo.kernel == "cauchy") teaching.pgo.kernel = adaptation::kTeachingKernel;
+    if (teaching.pgo.kernel == "cauchy") {
+      teaching.pgo.kernel = adaptation::kTeachingKernel;
+      teaching.pgo.kernel_width = adaptation::kTeachingKernelWidth;
+    }
     const adaptation::EpochRequest epoch{sequence, teaching, adaptation, quiet};
     learner::TrainingRequest training;
     training.folder = folder / sequence.name();

@@ -151,6 +151,7 @@ void FinetuneJob::prepare() {
     throw InputError("--jobs and --root are for suites", ExitCode::kUsage);
   }
   settings_.config().set(std::string("pgo.kernel=") + adaptation::kTeachingKernel, "finetune");
+  settings_.config().set(fmt::format("pgo.huber={}", adaptation::kTeachingKernelWidth), "finetune");
   system::Suite suite;
   if (suite_given) suite = system::read_suite(find_config(arguments_.dataset));
   if (!suite.config.empty()) settings_.config().load_file(find_config(suite.config));

@@ -25,6 +25,7 @@ struct Epoch {
 /// The kernel of a graph that teaches. Covariances learn with the weights of the edges held, which
 /// is exact where those that fit weigh 1, as Huber's do and Cauchy's do not.
 inline constexpr const char* kTeachingKernel = "huber";
+inline constexpr double kTeachingKernelWidth = 4.0;
 
 /// Which sequence and how it is run.
 struct EpochRequest {

@@ -66,6 +66,7 @@ struct SlamOptions {
   SlamOptions() {
     // A motion that follows a moving thing pulls at Huber's kernel however far off it is.
     pgo.kernel = "cauchy";
+    pgo.kernel_width = 6.0;
     pgo.estimate_disparity_offset = true;
     pgo.estimate_focal_error = true;
     pgo.estimate_time_offset = true;
