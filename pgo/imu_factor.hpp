@@ -20,9 +20,8 @@ namespace imslam::pgo {
 /// Blocks: T_world_body0 (7), v0_world (3), T_world_body1 (7), v1_world (3), bias at 0 [gyro accel]
 /// (6), direction of gravity in world, a unit vector (3), camera-IMU time offset t [s] (1), shape S
 /// of the gyro, rows one after another (9): reading = (I + S) true rate + bias. It acts on the turn
-/// of the states, not on that of the readings: their noise, times S, would look like a smaller S
-/// that fits better. Exact for a constant rate; what S does to dv and dp within one interval is
-/// left out.
+/// of the states, not on that of the readings, whose noise would bias S (errors in variables).
+/// Exact for a constant rate; what S does to dv and dp within one interval is left out.
 class ImuFactor final : public ceres::SizedCostFunction<9, 7, 3, 7, 3, 6, 3, 1, 9> {
  public:
   using Vector9 = Eigen::Matrix<double, 9, 1>;
