@@ -110,7 +110,7 @@ Prepare learn_before(const adaptation::AdaptationOptions& adaptation,
     system::RunRequest quiet;
     quiet.keep_going = [](std::size_t, std::size_t) { return !interrupted(); };
     system::SlamOptions teaching = options;
-    if (teaching.pgo.kernel == "cauchy") {
+    if (teaching.pgo.kernel == "cauchy_tail") {
       teaching.pgo.kernel = adaptation::kTeachingKernel;
       teaching.pgo.kernel_width = adaptation::kTeachingKernelWidth;
     }

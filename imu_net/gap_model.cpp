@@ -46,6 +46,7 @@ GapSpread vibration(const Gap& gap, ImuRange samples, const ImuNoise& noise) {
 }  // namespace
 
 GapSpread gap_spread(const Gap& gap,
+                     double interval_s,
                      ImuRange samples,
                      const ImuBias& bias,
                      const ImuNoise& noise,
@@ -65,8 +66,9 @@ GapSpread gap_spread(const Gap& gap,
   const double swing = force * std::min(1.0, rate * gap.length_s);
   const double scale = share * options.gap_strength;
   const GapSpread shake = vibration(gap, samples, noise);
-  return {std::hypot(scale * (options.gap_gyro_floor + rate), shake.rate),
-          std::hypot(scale * (options.gap_accel_floor + swing + change), shake.force)};
+  const double shared = std::sqrt(std::max(1.0, gap.length_s / interval_s));
+  return {shared * std::hypot(scale * (options.gap_gyro_floor + rate), shake.rate),
+          shared * std::hypot(scale * (options.gap_accel_floor + swing + change), shake.force)};
 }
 
 }  // namespace imslam::imu

@@ -128,7 +128,7 @@ void IntervalWalk::stretch(const SignalNode& a, const SignalNode& b, const Gap& 
   }
   degraded_ = degraded_ || gap.saturated || gap.length_s > options_.max_gap_s;
   integrator_.add_gap(a, b, options_.max_step_s,
-                      gap_spread(gap, samples_, frame_.bias, noise_, options_));
+                      gap_spread(gap, frame_.dt_s, samples_, frame_.bias, noise_, options_));
   note_sources(gap);
 }
 

@@ -43,7 +43,7 @@ struct PreintegrationOptions {
 /// dropped. What is not seen is interpolated between its two neighbours, or held where there is
 /// only one. There the covariance grows with the length of the gap and with the strength of the
 /// motion around it, as for an unknown rate and specific force (constant plus ramp; see
-/// gap_model.hpp). Errors of two intervals in one gap are taken as independent.
+/// gap_model.hpp), and with the number of intervals that share the gap.
 ///   degraded   a gap > max_gap_s or a saturated reading was bridged
 ///   !valid     a gap > max_bridge_s or no usable reading: zero motion, covariance 1e6 I
 ///

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "pgo/edge_linearization.hpp"
-#include "pgo/graph_problem.hpp"
+#include "pgo/robust_loss.hpp"
 #include "pgo/symmetric_eigen.hpp"
 #include "pgo/whitening.hpp"
 
@@ -19,18 +19,6 @@ using Eigen::VectorXd;
 constexpr double kFullLeverage = 0.999;  // beyond it nothing else measures that direction
 constexpr double kLeastWeight = 1e-6;    // of an outlier
 constexpr double kRobust = 16.0;         // [1] of the square per dimension
-
-struct Kernel {
-  double value;  ///< rho(s)
-  double slope;  ///< rho'(s)
-};
-
-Kernel kernel_at(const ceres::LossFunction* loss, double s) {
-  if (loss == nullptr) return {s, 1.0};
-  double rho[3];
-  loss->Evaluate(s, rho);
-  return {rho[0], rho[1]};
-}
 
 /// Sizes as in EdgeLikelihood and Foretold, known at run time: for fixed ones a compiler takes half
 /// a minute.
@@ -50,14 +38,14 @@ Likelihood likelihood(const VectorXd& residual,
                       const MatrixXd& J_measurement,
                       const MatrixXd& W,
                       const Others& others,
-                      const std::function<Kernel(double)>& kernel_at_square) {
+                      const std::function<RobustCost(double)>& cost_of_square) {
   // In units of W: u = r + W shift, C = I + W S W^T.
   const VectorXd u = residual + W * others.shift;
   MatrixXd C = W * others.spread * W.transpose();
   C.diagonal().array() += 1.0;
   const Eigen::LLT<MatrixXd> llt(C);
   const VectorXd a = llt.solve(u);
-  const Kernel kernel = kernel_at_square(u.dot(a));
+  const RobustCost kernel = cost_of_square(u.dot(a));
   const double log_det =
       2.0 * llt.matrixLLT().diagonal().array().log().sum() - 2.0 * W.diagonal().array().log().sum();
   const VectorXd back = W.transpose() * a;
@@ -81,7 +69,7 @@ Others foretold(const VectorXd& r, const MatrixXd& W, const MatrixXd& leverage, 
   return {scaled * (eigen.vectors.transpose() * r), scaled * unwhitened.transpose() / weight};
 }
 
-Kernel robust(double square) {
+RobustCost robust(double square) {
   const double limit = kRobust * 9.0;
   if (square <= limit) return {square, 1.0};
   return {2.0 * std::sqrt(limit * square) - limit, std::sqrt(limit / square)};
@@ -101,7 +89,7 @@ Foretold<6> foretold_visual(const PoseVelocityGraph& graph,
   const VisualEdge& e = graph.visual_edges().at(edge);
   const auto at = linearize(e, graph.data());
   const auto loss = make_loss(graph.options());
-  const double weight = kernel_at(loss.get(), at.residual.squaredNorm()).slope;
+  const double weight = robust_cost(loss.get(), at.residual.squaredNorm()).slope;
   const Others others = foretold(at.residual, e.sqrt_information, posterior.visual.at(edge),
                                  std::max(weight, kLeastWeight));
   return {others.shift, others.spread};
@@ -126,7 +114,7 @@ EdgeLikelihood<6> visual_likelihood(const PoseVelocityGraph& graph,
   const auto at = linearize(VisualEdge{held.from, held.to, motion, *W}, graph.data());
   const auto loss = make_loss(graph.options());
   return sized<6>(likelihood(at.residual, at.J_measurement, *W, {others.shift, others.spread},
-                             [&](double square) { return kernel_at(loss.get(), square); }));
+                             [&](double square) { return robust_cost(loss.get(), square); }));
 }
 
 EdgeLikelihood<9> inertial_likelihood(const PoseVelocityGraph& graph,

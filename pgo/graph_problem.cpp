@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pgo/robust_loss.hpp"
 #include "slam/base/error.hpp"
 #include "slam/base/time.hpp"
 
@@ -35,16 +36,6 @@ bool has_biases(const GraphData& data) {
   const auto is_bias = [](const BlockId& id) { return id.kind == BlockId::Kind::kBias; };
   return !data.inertial_edges.empty() || !data.bias_priors.empty() ||
          std::any_of(data.marginal.blocks.begin(), data.marginal.blocks.end(), is_bias);
-}
-
-std::unique_ptr<ceres::LossFunction> make_loss(const GraphOptions& options) {
-  if (options.kernel == "huber") {
-    return std::make_unique<ceres::HuberLoss>(options.kernel_width);
-  }
-  if (options.kernel == "cauchy") {
-    return std::make_unique<ceres::CauchyLoss>(options.kernel_width);
-  }
-  return nullptr;
 }
 
 GraphProblem::GraphProblem(const GraphData& data, const GraphOptions& options, BiasWalks walks)

@@ -81,7 +81,4 @@ class GraphProblem {
 /// Whether anything in the graph speaks of biases: then they are estimated, and walk.
 bool has_biases(const GraphData& data);
 
-/// The robust kernel of visual edges; null: none.
-std::unique_ptr<ceres::LossFunction> make_loss(const GraphOptions& options);
-
 }  // namespace imslam::pgo

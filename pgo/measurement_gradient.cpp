@@ -3,7 +3,7 @@
 #include <numeric>
 
 #include "pgo/edge_linearization.hpp"
-#include "pgo/graph_problem.hpp"
+#include "pgo/robust_loss.hpp"
 #include "slam/base/parallel.hpp"
 
 namespace imslam::pgo {
@@ -21,19 +21,6 @@ EdgeGradient<kSize> edge_gradient(const Eigen::Matrix<double, kSize, 1>& residua
   gradient.covariance = -0.5 * kernel_slope * a * a.transpose();
   if (log_determinant) gradient.covariance += 0.5 * W.transpose() * W;
   return gradient;
-}
-
-/// rho(s) and rho'(s)
-struct Kernel {
-  double value;
-  double slope;
-};
-
-Kernel kernel_at(const ceres::LossFunction* loss, double s) {
-  if (loss == nullptr) return {s, 1.0};
-  double rho[3];
-  loss->Evaluate(s, rho);
-  return {rho[0], rho[1]};
 }
 
 /// Residual and sigmas of a prior on [gyro accel].
@@ -73,7 +60,7 @@ MeasurementGradient measurement_gradient(const PoseVelocityGraph& graph, bool lo
   parallel_for(data.visual_edges.size(), [&](std::size_t i) {
     const VisualEdge& edge = data.visual_edges[i];
     const auto at = linearize(edge, data);
-    const double slope = kernel_at(loss.get(), at.residual.squaredNorm()).slope;
+    const double slope = robust_cost(loss.get(), at.residual.squaredNorm()).slope;
     result.visual[i] = edge_gradient<6>(at.residual, at.J_measurement, edge.sqrt_information, slope,
                                         log_determinant);
   });
@@ -105,7 +92,7 @@ NegativeLogLikelihood negative_log_likelihood(const PoseVelocityGraph& graph) {
   };
   for (const VisualEdge& edge : data.visual_edges) {
     const double s = linearize(edge, data).residual.squaredNorm();
-    add(0.5 * kernel_at(loss.get(), s).value, half_log_determinant<6>(edge.sqrt_information),
+    add(0.5 * robust_cost(loss.get(), s).value, half_log_determinant<6>(edge.sqrt_information),
         result.visual);
   }
   for (const InertialEdge& edge : data.inertial_edges) {

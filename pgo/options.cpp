@@ -20,7 +20,7 @@ void require(bool valid, const char* key, const Value& value, const char* bound)
 
 void GraphOptions::describe(Config& config) {
   config.field("gravity", gravity_magnitude, "magnitude of gravity [m/s^2]");
-  config.field("kernel", kernel, {"none", "huber", "cauchy"}, "robust kernel of visual edges");
+  config.field("kernel", kernel, {"none", "huber", "cauchy", "cauchy_tail"}, "robust kernel of visual edges");
   config.field("huber", kernel_width, "kernel width [standard deviations]");
   config.field("estimate_disparity_offset", estimate_disparity_offset,
                "estimate the constant disparity error of the stereo rectification");
@@ -37,8 +37,8 @@ void GraphOptions::describe(Config& config) {
 void GraphOptions::validate() const {
   require(gravity_magnitude > 0.0 && gravity_magnitude < 100.0, "pgo.gravity", gravity_magnitude,
           "more than 0 and less than 100 m/s^2");
-  require(kernel == "none" || kernel == "huber" || kernel == "cauchy", "pgo.kernel", kernel,
-          "none, huber or cauchy");
+  require(kernel == "none" || kernel == "huber" || kernel == "cauchy" || kernel == "cauchy_tail",
+          "pgo.kernel", kernel, "none, huber, cauchy or cauchy_tail");
   require(kernel_width > 0.0 && kernel_width < 1e6, "pgo.huber", kernel_width,
           "more than 0 and less than 1e6");
   require(gyro_random_walk > 0.0 && gyro_random_walk < 1e3, "pgo.gyro_random_walk",

@@ -12,7 +12,7 @@ namespace imslam::pgo {
 struct GraphOptions {
   double gravity_magnitude = 9.81;  ///< [m/s^2]
 
-  std::string kernel = "huber";  ///< of the visual edges: none, huber, cauchy
+  std::string kernel = "huber";  ///< of visual edges: none, huber, cauchy, cauchy_tail
   double kernel_width = 4.0;     ///< [1] standard deviations of the whitened 6-dof residual's norm
 
   double gyro_random_walk = 2.0e-5;   ///< [rad/s^2/sqrt(Hz)]

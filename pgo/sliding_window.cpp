@@ -13,6 +13,7 @@ void WindowOptions::describe(Config& config) {
   config.field("states", states, "states in the sliding window");
   config.field("max_iterations", max_iterations, "most Levenberg-Marquardt steps per frame");
   config.field("function_tolerance", function_tolerance, "relative change of the cost to stop at");
+  config.field("huber", kernel_width, "width of pgo.kernel in the window [standard deviations]");
 }
 
 void WindowOptions::validate() const {
@@ -20,12 +21,14 @@ void WindowOptions::validate() const {
     if (!valid) throw InputError(what, ExitCode::kUsage);
   };
   require(states >= 2 && states <= 10000,
-          "pgo.window.states = " + std::to_string(states) + ": expected 2 to 10000");
+          "window.states = " + std::to_string(states) + ": expected 2 to 10000");
   require(max_iterations >= 1 && max_iterations <= 1000,
-          "pgo.window.max_iterations = " + std::to_string(max_iterations) + ": expected 1 to 1000");
+          "window.max_iterations = " + std::to_string(max_iterations) + ": expected 1 to 1000");
   require(function_tolerance >= 0.0 && function_tolerance < 1.0,
-          "pgo.window.function_tolerance = " + std::to_string(function_tolerance) +
+          "window.function_tolerance = " + std::to_string(function_tolerance) +
               ": expected 0 or more and less than 1");
+  require(kernel_width > 0.0 && kernel_width < 1e6,
+          "window.huber = " + std::to_string(kernel_width) + ": expected more than 0, less than 1e6");
 }
 
 SlidingWindow::SlidingWindow(PoseVelocityGraph graph, const WindowOptions& options)

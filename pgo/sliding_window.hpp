@@ -8,6 +8,9 @@ struct WindowOptions {
   int states = 20;         ///< kept for optimisation; older ones become a linear prior
   int max_iterations = 5;  ///< per frame
   double function_tolerance = 1e-6;
+  /// In place of GraphOptions::kernel_width: while velocity and biases become known, motions that
+  /// are right look wrong by more than later, and what leaves the window is not weighed again.
+  double kernel_width = 4.0;
 
   void describe(Config& config);
   void validate() const;

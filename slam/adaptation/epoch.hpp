@@ -22,8 +22,9 @@ struct Epoch {
   training::InertialLog log;  ///< of the teacher, where there is an IMU
 };
 
-/// The kernel of a graph that teaches. Covariances learn with the weights of the edges held, which
-/// is exact where those that fit weigh 1, as Huber's do and Cauchy's do not.
+/// The kernel of a graph that teaches: a convex one, so that solves converge to rounding error with
+/// outliers too, and one that weighs what fits with 1, since covariances learn with the weights of
+/// the edges held. Runs use one that outliers pull at less; teaching gained nothing by it.
 inline constexpr const char* kTeachingKernel = "huber";
 inline constexpr double kTeachingKernelWidth = 4.0;
 

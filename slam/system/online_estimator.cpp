@@ -37,6 +37,7 @@ void OnlineEstimator::try_to_start(const Measurements& measurements,
   SlamOptions options = options_;
   options.system.covariances = false;
   options.system.preset = "default";
+  options.pgo.kernel_width = options_.window.kernel_width;
   // How the camera is turned takes turns to be seen; while it becomes known the present would jump.
   options.pgo.estimate_camera_rotation = false;
   const BatchEstimate start = estimate_batch(measurements, disparity_offset, options);

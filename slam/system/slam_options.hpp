@@ -65,8 +65,8 @@ struct SlamOptions {
   /// The graph of a run estimates the calibration unless told otherwise (pgo.estimate_...).
   SlamOptions() {
     // A motion that follows a moving thing pulls at Huber's kernel however far off it is.
-    pgo.kernel = "cauchy";
-    pgo.kernel_width = 6.0;
+    pgo.kernel = "cauchy_tail";
+    pgo.kernel_width = 3.0;
     pgo.estimate_disparity_offset = true;
     pgo.estimate_focal_error = true;
     pgo.estimate_time_offset = true;

@@ -77,6 +77,26 @@ TEST(PreintegrateGap, AnIntervalInsideTheGapIsBridgedToo) {
   EXPECT_LT(normalized_error(motion, body.truth(1.2, 1.25)), 25.0);
 }
 
+/// Bridged in one piece or in twenty: the bridge errs alike, so its turn is known as well.
+TEST(PreintegrateGap, IntervalsThatShareAGapAreNotTakenForIndependent) {
+  const SineMotion body;
+  const auto rotation_variance = [](const std::vector<ImuSample>& samples, int pieces) {
+    double sum = 0.0;
+    for (int i = 0; i < pieces; ++i) {
+      const double t0 = 1.0 + static_cast<double>(i) / pieces;
+      const double t1 = 1.0 + static_cast<double>(i + 1) / pieces;
+      sum += integrate(samples, t0, t1).covariance.topLeftCorner<3, 3>().trace();
+    }
+    return sum;
+  };
+  const auto bridged = without(body.samples(0.0, 3.0, 200.0), 1.0, 2.0);
+  EXPECT_NEAR(rotation_variance(bridged, 20) / rotation_variance(bridged, 1), 1.0, 0.1);
+  // Streaming, the far end is not known: the gap is as long as it has lasted so far.
+  const auto held = body.samples(0.0, 1.0, 200.0);
+  const double cut = rotation_variance(held, 20);
+  EXPECT_GT(cut, 0.3 * rotation_variance(held, 1));
+}
+
 TEST(PreintegrateGap, MissingEndsAreHeld) {
   const SineMotion body;
   const auto samples = body.samples(1.0, 2.0, 200.0);
