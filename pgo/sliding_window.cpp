@@ -27,8 +27,9 @@ void WindowOptions::validate() const {
   require(function_tolerance >= 0.0 && function_tolerance < 1.0,
           "window.function_tolerance = " + std::to_string(function_tolerance) +
               ": expected 0 or more and less than 1");
-  require(kernel_width > 0.0 && kernel_width < 1e6,
-          "window.huber = " + std::to_string(kernel_width) + ": expected more than 0, less than 1e6");
+  require(
+      kernel_width > 0.0 && kernel_width < 1e6,
+      "window.huber = " + std::to_string(kernel_width) + ": expected more than 0, less than 1e6");
 }
 
 SlidingWindow::SlidingWindow(PoseVelocityGraph graph, const WindowOptions& options)
