@@ -20,7 +20,8 @@ void require(bool valid, const char* key, const Value& value, const char* bound)
 
 void GraphOptions::describe(Config& config) {
   config.field("gravity", gravity_magnitude, "magnitude of gravity [m/s^2]");
-  config.field("kernel", kernel, {"none", "huber", "cauchy", "cauchy_tail"}, "robust kernel of visual edges");
+  config.field("kernel", kernel, {"none", "huber", "cauchy", "cauchy_tail"},
+               "robust kernel of visual edges");
   config.field("huber", kernel_width, "kernel width [standard deviations]");
   config.field("estimate_disparity_offset", estimate_disparity_offset,
                "estimate the constant disparity error of the stereo rectification");

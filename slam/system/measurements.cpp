@@ -21,8 +21,12 @@ void Measurements::lend_imu(const ImuSample& kept) {
     lent_imu = {lent_imu.empty() ? &kept : lent_imu.begin(), &kept + 1};
     return;
   }
+  keep_imu(kept);
+}
+
+void Measurements::keep_imu(const ImuSample& reading) {
   imu.insert(imu.end(), lent_imu.begin(), lent_imu.end());
-  imu.push_back(kept);
+  imu.push_back(reading);
   lent_imu = {};
 }
 

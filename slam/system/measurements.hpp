@@ -38,6 +38,8 @@ struct Measurements {
   /// Appends a reading that its owner keeps where it is. As long as each lies behind the one before
   /// in memory, none is copied.
   void lend_imu(const ImuSample& kept);
+  /// Appends a reading that nobody else keeps; those lent before are copied.
+  void keep_imu(const ImuSample& reading);
   /// All readings, own or lent.
   imu::ImuRange readings() const { return lent_imu.empty() ? imu::ImuRange(imu) : lent_imu; }
 

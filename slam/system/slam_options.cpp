@@ -48,6 +48,7 @@ void SystemOptions::describe(Config& config) {
   config.field("gyro_noise_factor", gyro_noise_factor, "real over stated white noise of the gyro");
   config.field("accel_noise_factor", accel_noise_factor,
                "real over stated white noise of the accelerometer");
+  config.field("vibration", vibration, "raw readings that shake more than that count less");
   config.field("gyro_walk_factor", gyro_walk_factor, "real over stated walk of the gyro's bias");
   config.field("accel_walk_factor", accel_walk_factor,
                "real over stated walk of the accelerometer's bias");

@@ -43,6 +43,7 @@ struct SystemOptions {
   double accel_bias_prior = 0.0;      ///< [m/s^2] likewise
   double gyro_noise_factor = 2.0;     ///< [1] on the datasheet's density: see README, "noise"
   double accel_noise_factor = 8.0;    ///< [1] likewise; vibration and scale errors count as noise
+  bool vibration = true;              ///< raw readings that shake more than that count less
   double gyro_walk_factor = 8.0;      ///< [1] on its bias walk: warming up is no random walk
   double accel_walk_factor = 1.0;     ///< [1] likewise
   int relinearisations = 4;  ///< the IMU is integrated anew at the biases found, at most so often

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "imu_net/preintegration.hpp"
+#include "imu_net/vibration_meter.hpp"
 #include "slam/base/error.hpp"
 #include "slam/system/batch_estimator.hpp"
 #include "slam/system/calibration_doubts.hpp"
@@ -64,10 +65,12 @@ class SlamSystem::State {
     }
     measurements_.imu_noise.gyro_noise_density *= options.system.gyro_noise_factor;
     measurements_.imu_noise.accel_noise_density *= options.system.accel_noise_factor;
+    if (options.system.vibration) vibration_.emplace(measurements_.imu_noise);
   }
 
   void add_earlier_imu(const ImuSample& sample) {
     if (inertial_front_end_) inertial_front_end_->add(sample);
+    if (vibration_) vibration_->add(sample);
   }
 
   void add_imu(const ImuSample& sample) {
@@ -77,9 +80,18 @@ class SlamSystem::State {
       ++result_.counters.imu_dropped;
       return;
     }
-    if (!inertial_front_end_) return measurements_.lend_imu(sample);
+    if (!inertial_front_end_) return add_raw(sample);
     measurements_.imu.push_back(inertial_front_end_->add(sample));
     if (options_.imu_network.beliefs) measurements_.bias_beliefs = inertial_front_end_->beliefs();
+  }
+
+  void add_raw(const ImuSample& sample) {
+    if (!vibration_) return measurements_.lend_imu(sample);
+    const ImuSample reading = vibration_->add(sample);
+    const bool shakes = reading.gyro_variance != sample.gyro_variance ||
+                        reading.accel_variance != sample.accel_variance;
+    if (shakes) return measurements_.keep_imu(reading);
+    measurements_.lend_imu(sample);
   }
 
   FrameReport process(const StereoFrame& frame) {
@@ -204,6 +216,7 @@ class SlamSystem::State {
   vo::VisualOdometry odometry_;
   OnlineEstimator online_;
   std::optional<InertialFrontEnd> inertial_front_end_;  ///< empty: raw readings
+  std::optional<imu::VibrationMeter> vibration_;        ///< of raw readings; empty: off
   std::optional<vo::LoopCloser> loops_;                 ///< empty: off
   MapSampler map_sampler_;
   Measurements measurements_;
