@@ -22,8 +22,8 @@ struct Gap {
 ///   vibration   the ends' own scatter, which the bridge carries all along the gap
 ///
 /// The bridge errs the same way all along the gap, but each of the n = length / interval_s
-/// intervals it spans is weighed by itself. Their variances are n times as large, so that together
-/// they know the motion across the gap as well as one interval over all of it would.
+/// intervals [s] it spans is weighed by itself. Their variances are n times as large, so that
+/// together they know the motion across the gap as well as one interval over all of it would.
 GapSpread gap_spread(const Gap& gap,
                      double interval_s,
                      ImuRange samples,

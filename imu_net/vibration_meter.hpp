@@ -11,9 +11,9 @@ namespace imslam::imu {
 /// rotors. What a camera does not see of it, or what the rate of the sensor is too slow for, counts
 /// as white noise of the same strength. From the past only.
 ///
-/// A smooth motion leaves next to nothing in the third differences of neighbouring readings
-/// (2 pi f / rate)^3 of an oscillation at f; white noise of variance s^2 leaves 20 s^2. Their mean
-/// over about half a second, minus the stated variance, is what is added.
+/// Of a smooth motion third differences of neighbouring readings leave next to nothing, a share of
+/// (2 pi f / rate)^3 of an oscillation at f [Hz]; white noise of variance s^2 leaves 20 s^2. Their
+/// mean over about half a second, minus the stated variance, is what is added.
 class VibrationMeter {
  public:
   /// `noise`: stated, per axis; its rate tells neighbours from gaps.
@@ -29,8 +29,8 @@ class VibrationMeter {
   void look_at(const Axes& reading);
 
   ImuNoise noise_;
-  std::array<Axes, 3> last_;  ///< the newest first
-  int in_a_row_ = 0;          ///< usable neighbours up to now
+  std::array<Axes, 3> last_{Axes::Zero(), Axes::Zero(), Axes::Zero()};  ///< the newest first
+  int in_a_row_ = 0;  ///< usable neighbours up to now
   std::int64_t last_ns_ = 0;
   int looked_ = 0;
   Axes variance_ = Axes::Zero();  ///< of a reading
