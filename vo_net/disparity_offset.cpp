@@ -90,13 +90,31 @@ Mean mean_of(const std::vector<Reading>& readings,
   return mean;
 }
 
-/// What a prior of that mean and standard deviation leaves of it.
-DisparityOffsetEstimate with_prior(const Mean& mean, double prior, double prior_sigma) {
-  const double information = 1.0 / mean.variance + 1.0 / (prior_sigma * prior_sigma);
-  DisparityOffsetEstimate estimate;
-  estimate.offset_px = prior + (mean.value - prior) / (mean.variance * information);
-  estimate.sigma_px = std::sqrt(1.0 / information);
-  return estimate;
+/// What one normal prior leaves of what was measured, and how well it foretold that.
+struct Posterior {
+  double value;
+  double variance;
+  double log_evidence;
+};
+
+Posterior with_normal(const Mean& measured, double prior, double sigma) {
+  const double total = measured.variance + sigma * sigma;
+  const double difference = measured.value - prior;
+  return {prior + difference * sigma * sigma / total, measured.variance * sigma * sigma / total,
+          -0.5 * (difference * difference / total + std::log(total))};
+}
+
+/// What the mixture of priors leaves of it: mean and variance.
+Mean with_prior(const Mean& measured, const DisparityOffsetOptions& options) {
+  const Posterior exact = with_normal(measured, options.prior, options.exact_sigma);
+  const Posterior other = with_normal(measured, options.prior, options.prior_sigma);
+  const double odds = std::exp(std::min(other.log_evidence - exact.log_evidence, 700.0));
+  const double share = options.exact / (options.exact + (1.0 - options.exact) * odds);
+  Mean left;
+  left.value = share * exact.value + (1.0 - share) * other.value;
+  left.variance = share * exact.variance + (1.0 - share) * other.variance +
+                  share * (1.0 - share) * std::pow(exact.value - other.value, 2);
+  return left;
 }
 
 }  // namespace
@@ -114,6 +132,8 @@ void DisparityOffsetOptions::describe(Config& config) {
   config.field("block", block, "frames averaged before the scatter is judged");
   config.field("prior", prior, "offset to expect [px]");
   config.field("prior_sigma", prior_sigma, "how far from that it may be [px]");
+  config.field("exact", exact, "share of cameras whose rectification is exact");
+  config.field("exact_sigma", exact_sigma, "to this [px]");
   config.field("systematic", systematic,
                "error that all frames share, of what one point alone would have");
   config.field("kernel_width", kernel_width, "blocks beyond count less [standard deviations]");
@@ -123,6 +143,8 @@ void DisparityOffsetOptions::validate() const {
   require(block >= 1, "vo.offset.block", block, ">= 1");
   require(std::isfinite(prior), "vo.offset.prior", prior, "finite");
   require(prior_sigma > 0.0, "vo.offset.prior_sigma", prior_sigma, "> 0");
+  require(exact >= 0.0 && exact <= 1.0, "vo.offset.exact", exact, "0 .. 1");
+  require(exact_sigma > 0.0, "vo.offset.exact_sigma", exact_sigma, "> 0");
   require(systematic >= 0.0 && systematic <= 1.0, "vo.offset.systematic", systematic, "0 .. 1");
   require(kernel_width > 0.0, "vo.offset.kernel_width", kernel_width, "> 0");
 }
@@ -178,7 +200,9 @@ DisparityOffsetEstimate DisparityOffsetEstimator::estimate() const {
       weights[i] = huber_weight(deviation, options_.kernel_width);
     }
   }
-  estimate = with_prior(mean, options_.prior, options_.prior_sigma);
+  mean = with_prior(mean, options_);
+  estimate.offset_px = mean.value;
+  estimate.sigma_px = std::sqrt(mean.variance);
   estimate.frames = frames_;
   return estimate;
 }

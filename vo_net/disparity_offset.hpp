@@ -24,6 +24,9 @@ struct DisparityOffsetOptions {
   int block = 10;             ///< [frames] that share a scene, averaged before scatter is judged
   double prior = 0.0;         ///< [px] the offset to expect before anything was seen
   double prior_sigma = 0.25;  ///< [px] and how far from that it may be
+  /// [1] The share of cameras whose rectification is exact: within exact_sigma of `prior`.
+  double exact = 0.5;
+  double exact_sigma = 0.01;  ///< [px]
   double systematic = 0.015;  ///< [1] sigma of what all frames share, of a single point's
   double kernel_width = 2.0;  ///< [standard deviations] blocks beyond count less
 
@@ -43,6 +46,11 @@ struct DisparityOffsetOptions {
 /// "Meta-analysis in clinical trials", 1986), with Huber weights on the blocks and a prior. z is
 /// one for all blocks: matches in blur or darkness are a little too short, which looks like an
 /// offset and does not average out; n_b points that would each know it to sqrt(n_b / h_b).
+///
+/// The prior is a mixture ("spike and slab"; Mitchell & Beauchamp, "Bayesian variable selection in
+/// linear regression", 1988) of cameras that were rectified exactly and others. An estimate of the
+/// size of its own sigma would make the scale worse, not better: it is taken for what it most
+/// likely is, nothing; one of several sigma stays what it is. Mean and variance of the mixture.
 class DisparityOffsetEstimator {
  public:
   explicit DisparityOffsetEstimator(const DisparityOffsetOptions& options) : options_(options) {}

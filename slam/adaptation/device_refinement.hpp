@@ -9,7 +9,8 @@
 namespace imslam::adaptation {
 
 /// The device as a run's solution has it. What the graph did not estimate, or hardly better than
-/// was known before, stays as the run assumed it, as does what `options` hold: with a regression
+/// was known before, or what hardly differs from it, stays as the run assumed it, as does what
+/// `options` hold: with a regression
 /// head that learns, the offset of disparities makes up for its errors and runs away with it. The
 /// numbers are kept within DeviceBounds; `assumed` is what the run began with.
 ///

@@ -68,6 +68,7 @@ SlamOptions with_device(const SlamOptions& options, const DeviceCalibration& dev
   if (device.disparity_offset_px != 0.0) {
     known.vo.offset.prior = device.disparity_offset_px;
     known.vo.offset.prior_sigma = std::min(known.vo.offset.prior_sigma, kDisparityOffsetSigma_px);
+    known.vo.offset.exact = 0.0;  // this camera is known to be one of the others
   }
   if (device.time_offset_s != 0.0) known.system.time_offset_s = device.time_offset_s;
   return known;

@@ -74,6 +74,7 @@ TEST(DisparityOffset, SaysNothingBeforeItHasSeenSomething) {
 TEST(DisparityOffset, WhatBadMatchesShareIsNotTakenForAnOffset) {
   DisparityOffsetOptions options;
   options.systematic = 0.03;
+  options.exact = 0.0;
   DisparityOffsetEstimator estimator{options};
   Random random(35);
   for (int i = 0; i < 200; ++i) estimator.add(frame(-0.3 + 0.4 * random.normal(), 0.4, 0.0, 600));
@@ -92,6 +93,48 @@ TEST(DisparityOffset, ClearScenesDecide) {
   }
   EXPECT_NEAR(estimator.estimate().offset_px, 0.1, 0.03);
   EXPECT_LT(estimator.estimate().sigma_px, 0.05);
+}
+
+/// Two hundred frames that all say the same but for their noise.
+DisparityOffsetEstimate estimate_of(double value, double systematic, std::uint64_t seed) {
+  DisparityOffsetOptions options;
+  options.systematic = systematic;
+  DisparityOffsetEstimator estimator{options};
+  Random random(seed);
+  for (int i = 0; i < 200; ++i) estimator.add(frame(value + 0.1 * random.normal(), 0.1, 0.0, 400));
+  return estimator.estimate();
+}
+
+TEST(DisparityOffset, OneNotSurelyThereIsTakenForNothing) {
+  // known to 0.015 * 0.1 * sqrt(400) = 0.03 px
+  EXPECT_LT(std::abs(estimate_of(0.03, 0.015, 37).offset_px), 0.015);
+  EXPECT_NEAR(estimate_of(0.15, 0.015, 38).offset_px, 0.15, 0.02);
+  const DisparityOffsetEstimate doubtful = estimate_of(0.075, 0.015, 39);
+  EXPECT_GT(doubtful.offset_px, 0.015);
+  EXPECT_LT(doubtful.offset_px, 0.065);
+  EXPECT_GT(doubtful.sigma_px, estimate_of(0.15, 0.015, 40).sigma_px);
+}
+
+TEST(DisparityOffset, ExactCamerasComeOutBetterAndOthersHardlyWorse) {
+  Random random(41);
+  const auto error = [&](double offset, double exact) {
+    DisparityOffsetOptions options;
+    options.exact = exact;
+    double squares = 0.0;
+    Random draws = random.fork(7);
+    for (int run = 0; run < 100; ++run) {
+      DisparityOffsetEstimator estimator{options};
+      const double shared = 0.03 * draws.normal();
+      for (int i = 0; i < 40; ++i) {
+        estimator.add(frame(offset + shared + 0.1 * draws.normal(), 0.1, 0.0, 400));
+      }
+      squares += std::pow(estimator.estimate().offset_px - offset, 2);
+    }
+    return std::sqrt(squares / 100.0);
+  };
+  EXPECT_LT(error(0.0, 0.5), 0.6 * error(0.0, 0.0));
+  EXPECT_LT(error(0.2, 0.5), 1.05 * error(0.2, 0.0));
+  EXPECT_LT(error(0.06, 0.5), 1.6 * error(0.06, 0.0));  // what it costs at its worst
 }
 
 TEST(DisparityOffset, LongRunsKeepTheirPrecision) {

@@ -49,6 +49,17 @@ TEST(RefinedDevice, KeepsWhatTheGraphHardlyKnows) {
   EXPECT_EQ(refined.focal_error, 0.0);
 }
 
+TEST(RefinedDevice, WhatHardlyDiffersIsNoNews) {
+  system::SlamResult result = with_estimates(0.002);
+  result.focal_error->value = 0.003;
+  result.disparity_offset_px.value = 0.05;
+  EXPECT_EQ(refined_device(result, {}, tactical(), {}, {}).focal_error, 0.0);
+  EXPECT_EQ(refined_device(result, {}, tactical(), {}, {}).disparity_offset_px, 0.0);
+  DeviceCalibration assumed;
+  assumed.disparity_offset_px = -0.1;
+  EXPECT_EQ(refined_device(result, assumed, tactical(), {}, {}).disparity_offset_px, 0.05);
+}
+
 TEST(RefinedDevice, KeepsWhatIsNotToBeRefined) {
   AdaptationOptions options;
   options.calibration = "off";
