@@ -25,7 +25,8 @@ void warn_all(const std::vector<std::string>& warnings) {
 }
 
 void write_result(const std::string& file, bool force, const std::string& content) {
-  if (!force && std::filesystem::exists(file)) {
+  std::error_code ignored;  // writing says what is wrong with the name
+  if (!force && std::filesystem::exists(file, ignored)) {
     throw InputError(file + ": exists already; choose another name or give --force",
                      ExitCode::kOutput);
   }
@@ -33,12 +34,20 @@ void write_result(const std::string& file, bool force, const std::string& conten
 }
 
 void print(const std::string& text) { std::fwrite(text.data(), 1, text.size(), stdout); }
-void print(const Json& json) { print(json.dump(2) + "\n"); }
+void print(const Json& json) {
+  // Names of files may be no UTF-8.
+  print(json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+/// Null for what can be read once only, as a pipe.
+Json sha256_block(const std::string& file) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(file, ignored) ? Json(sha256_of_file(file)) : Json();
+}
 
 Json files_block(const EvalRequest& request) {
-  return {
-      {"reference", {{"file", request.reference}, {"sha256", sha256_of_file(request.reference)}}},
-      {"estimate", {{"file", request.estimate}, {"sha256", sha256_of_file(request.estimate)}}}};
+  return {{"reference", {{"file", request.reference}, {"sha256", sha256_block(request.reference)}}},
+          {"estimate", {{"file", request.estimate}, {"sha256", sha256_block(request.estimate)}}}};
 }
 
 Json matching_block(const evaluation::MatchedPaths& m) {
@@ -62,17 +71,18 @@ std::string evo_text(const evaluation::MetricResult& result) {
       {"min", s.min},   {"max", s.max},   {"sse", s.sse}};
   std::string text = result.title + "\n\n";
   for (const auto& [name, value] : sorted) {
-    char line[64];
-    std::snprintf(line, sizeof(line), "%10s\t%.6f\n", name.c_str(), value);
-    text += line;
+    text += fmt::format("{:>10}\t{:.6f}\n", name, value);
   }
   return text;
 }
 
 evaluation::EvaluationTable table_of(const EvalRequest& request, const Paths& paths) {
   evaluation::EvaluationTable table;
-  table.reference = {request.reference, sha256_of_file(request.reference)};
-  table.estimate = {request.estimate, sha256_of_file(request.estimate)};
+  const auto hash = [](const Json& sha256) {
+    return sha256.is_string() ? sha256.get<std::string>() : std::string();
+  };
+  table.reference = {request.reference, hash(sha256_block(request.reference))};
+  table.estimate = {request.estimate, hash(sha256_block(request.estimate))};
   table.association = request.options.association;
   table.evaluation = evaluation::evaluate(paths.reference, paths.estimate, request.options);
   return table;

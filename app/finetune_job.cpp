@@ -61,6 +61,21 @@ void check_networks(const std::string& networks, const fs::path& out) {
   }
 }
 
+/// Neither must any other file of weights that the options name.
+void check_weights(const Settings& settings, const fs::path& out) {
+  const system::SlamOptions& slam = settings.slam();
+  for (const std::string& file : {slam.vo.motion_noise, slam.vo.regression.weights,
+                                  slam.vo.learned.weights, slam.imu_network.weights}) {
+    if (file.empty()) continue;
+    const auto [end, rest] =
+        std::mismatch(out.begin(), out.end(), fs::weakly_canonical(file).begin());
+    (void)rest;
+    if (end == out.end()) {
+      throw InputError(file + ": lies in --out; name another --out", ExitCode::kUsage);
+    }
+  }
+}
+
 void apply_flags(const FinetuneArguments& arguments, Settings& settings) {
   adaptation::AdaptationOptions& options = settings.adaptation();
   Config& config = settings.config();
@@ -209,6 +224,7 @@ learner::TrainingRequest FinetuneJob::request(ProgressBar& bar) {
 ExitCode FinetuneJob::run(ProcessGroup& group) {
   open();
   check_networks(arguments_.networks, folder_);
+  check_weights(settings_, fs::weakly_canonical(folder_));
   std::unique_ptr<system::FolderLock> lock;
   if (group.rank() == 0) lock = std::make_unique<system::FolderLock>(folder_);
   group.barrier();

@@ -2,6 +2,7 @@
 #include <CLI/Formatter.hpp>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <new>
 
 #include "app/command.hpp"
@@ -108,6 +109,9 @@ int main(int argc, char** argv) {
     return imslam::app::execute(argc, argv);
   } catch (const imslam::InputError& error) {
     return report_failure(error.what(), error.code());
+  } catch (const std::filesystem::filesystem_error& error) {
+    // Links in a circle, names too long, folders without permission.
+    return report_failure(error.what(), ExitCode::kData);
   } catch (const std::bad_alloc&) {
     return report_failure("out of memory; use a shorter sequence (--frames) or more memory",
                           ExitCode::kResource);

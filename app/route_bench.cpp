@@ -101,6 +101,10 @@ std::vector<BenchMethod> methods_for(int agents, const BenchArguments& arguments
   for (const std::string& weights : arguments.weights) {
     const std::size_t equals = weights.find('=');
     const std::string suffix = fmt::format("_{}.safetensors", agents);
+    if (equals == std::string::npos || !fs::exists(weights.substr(equals + 1))) {
+      throw InputError("--weights " + weights + ": expected NAME=FILE with a file that is there",
+                       ExitCode::kModel);
+    }
     if (weights.size() < suffix.size() ||
         weights.compare(weights.size() - suffix.size(), suffix.size(), suffix) != 0) {
       continue;  // of other agents

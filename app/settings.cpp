@@ -7,10 +7,11 @@
 namespace imslam::app {
 
 std::filesystem::path find_config(const std::string& name) {
-  if (std::filesystem::exists(name)) return name;
+  std::error_code ignored;
+  if (std::filesystem::exists(name, ignored)) return name;
   const std::filesystem::path shipped(IMSLAM_CONFIG_FOLDER);
   for (const auto& candidate : {shipped / name, shipped / (name + ".yaml")}) {
-    if (std::filesystem::exists(candidate)) return candidate;
+    if (std::filesystem::exists(candidate, ignored)) return candidate;
   }
   throw InputError(name + ": no such config file; shipped ones are in " + shipped.string(),
                    ExitCode::kUsage);

@@ -13,6 +13,7 @@
 #include "slam/base/log.hpp"
 #include "slam/base/progress.hpp"
 #include "slam/learner/training_run.hpp"
+#include "slam/system/run_folder.hpp"
 
 namespace imslam::app {
 
@@ -57,6 +58,7 @@ ExitCode train(const std::string& title,
   request.command = joined(common.command_line);
 
   const HeldInterrupts held;
+  const system::FolderLock lock(request.folder);  // two calls must not write into one folder
   ProgressBar bar(title, !common.quiet);
   request.keep_going = [&](int done, int steps, const std::string& note) {
     bar.update(static_cast<std::size_t>(done), static_cast<std::size_t>(steps), note);

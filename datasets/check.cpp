@@ -106,6 +106,7 @@ void check_recording(const std::filesystem::path& folder,
                      Findings& findings) {
   Recording recording = read_recording(folder, options.format);
   const std::string calibration_file = recording.calibration_file;
+  const auto truth_fault = recording.truth_fault;
   findings.about(recording.root.string());
   check_pairing(recording, findings);
   check_images(recording, options, findings);
@@ -120,6 +121,7 @@ void check_recording(const std::filesystem::path& folder,
   }();
   const auto sequence = make_sequence(std::move(recording));
   findings.info("format " + sequence->format() + ", sequence " + sequence->name());
+  if (truth_fault) findings.fail(*truth_fault);
   check_timing(*sequence, imu_file, findings);
   if (sequence->imu()) check_imu_values(*sequence->imu(), imu_file, findings);
   findings.about(calibration_file);
@@ -140,7 +142,7 @@ void check_samples_alone(const std::filesystem::path& folder, Findings& findings
 
 bool same_error(const Finding& a, const Finding& b) {
   return a.severity == Severity::kError && b.severity == Severity::kError && a.file == b.file &&
-         a.line == b.line && a.line > 0;
+         a.line == b.line && (a.line > 0 || a.what == b.what);
 }
 
 /// Opening stops at an error that the line-by-line check has listed already.
@@ -175,9 +177,11 @@ void CheckOptions::validate() const {
   }
 }
 
-std::vector<Finding> check_sequence(const std::filesystem::path& folder,
+std::vector<Finding> check_sequence(const std::filesystem::path& given,
                                     const CheckOptions& options) {
   options.validate();
+  // Readers name files by their whole path: so that the same finding has the same name.
+  const auto folder = std::filesystem::absolute(given).lexically_normal();
   Findings findings;
   try {
     check_files(folder, findings);
@@ -192,6 +196,8 @@ std::vector<Finding> check_sequence(const std::filesystem::path& folder,
       check_samples_alone(folder, findings);
     } catch (const InputError&) {
       // What is wrong with the file is among the findings already.
+    } catch (const std::filesystem::filesystem_error&) {
+      // And what is wrong with the folder.
     }
   }
   return without_repetitions(findings.all());

@@ -228,7 +228,11 @@ void check_timing(const Sequence& sequence, const std::string& imu_file, Finding
   } else {
     findings.info("no IMU: motion is estimated from images alone");
   }
-  if (sequence.truth()) check_truth(*sequence.truth(), frames, findings);
+  if (sequence.truth()) {
+    check_truth(*sequence.truth(), frames, findings);
+  } else {
+    findings.info("no ground truth: a run will report no errors");
+  }
 }
 
 void check_imu_values(const ImuData& imu, const std::string& file, Findings& findings) {

@@ -106,9 +106,7 @@ void read_truth(const fs::path& mav0, const lie::SE3d& T_imu_body, Recording& re
   for (const char* name : {"state_groundtruth_estimate0", "mocap0", "vicon0"}) {
     const fs::path csv = mav0 / name / "data.csv";
     if (!fs::exists(csv)) continue;
-    recording.input_files.push_back(csv);
-    recording.truth = read_trajectory(csv);
-    recording.truth->frame = "body";
+    read_truth_file(csv, "body", recording);
     const fs::path sensor = mav0 / name / "sensor.yaml";
     recording.T_body_truth = T_imu_body * extrinsics_or_identity(sensor);
     if (fs::exists(sensor)) recording.input_files.push_back(sensor);
@@ -124,7 +122,7 @@ bool looks_like_euroc(const fs::path& folder) {
 }
 
 Recording read_euroc(const fs::path& folder) {
-  const fs::path mav0 = mav0_of(fs::absolute(folder).lexically_normal());
+  const fs::path mav0 = mav0_of(folder);
   Cameras cameras = read_cameras(mav0);
   std::vector<fs::path> files = cameras.files;
   std::vector<ImageEntry> left = read_index(mav0 / "cam0", files);

@@ -111,7 +111,7 @@ std::vector<ImageEntry> list_stamped_images(const std::filesystem::path& folder)
   }
   std::sort(entries.begin(), entries.end(),
             [](const ImageEntry& a, const ImageEntry& b) { return a.time_ns < b.time_ns; });
-  return entries;
+  return clean_images(std::move(entries), folder.string());
 }
 
 std::vector<ImageEntry> clean_images(std::vector<ImageEntry> entries, const std::string& name) {

@@ -105,22 +105,27 @@ void read_imu(const fs::path& folder, Recording& recording) {
   recording.input_files.insert(recording.input_files.end(), {csv, extrinsics});
 }
 
-void read_truth(const fs::path& folder, Recording& recording) {
+fs::path truth_beside(const fs::path& folder) {
   const fs::path root = folder.parent_path().parent_path();
-  const fs::path file = root / "poses" / (folder.filename().string() + ".txt");
+  return root / "poses" / (folder.filename().string() + ".txt");
+}
+
+void read_truth(const fs::path& folder, Recording& recording) {
+  fs::path file = truth_beside(folder);
+  // A link to a sequence stands elsewhere than the sequence.
+  if (!fs::exists(file)) file = truth_beside(fs::canonical(folder));
   if (!fs::exists(file)) return;
-  PosePath truth = read_trajectory(file);
-  if (truth.size() != recording.frames.size()) {
-    log::warn("{}: {} poses for {} images; the truth is not used", file.string(), truth.size(),
-              recording.frames.size());
+  read_truth_file(file, "left", recording);
+  if (!recording.truth) return;
+  if (recording.truth->size() != recording.frames.size()) {
+    log::warn("{}: {} poses for {} images; the truth is not used", file.string(),
+              recording.truth->size(), recording.frames.size());
+    recording.truth.reset();
     return;
   }
   for (const FramePair& frame : recording.frames) {
-    truth.stamps_s.push_back(to_seconds(frame.time_ns));
+    recording.truth->stamps_s.push_back(to_seconds(frame.time_ns));
   }
-  truth.frame = "left";
-  recording.truth = std::move(truth);
-  recording.input_files.push_back(file);
 }
 
 }  // namespace
@@ -144,7 +149,7 @@ ImuNoise kitti_imu_noise() {
 }
 
 Recording read_kitti_odometry(const fs::path& given) {
-  const fs::path folder = sequence_folder(fs::absolute(given).lexically_normal());
+  const fs::path folder = sequence_folder(given);
   const auto [left, right] = camera_numbers(folder);
   const fs::path calib = folder / "calib.txt";
   KittiPair pair = kitti_pair(KittiCalibration(calib), "P" + left, "P" + right);

@@ -27,8 +27,7 @@ struct DriveRange {
 };
 
 /// `RAW/NN` for an odometry number, with RAW holding the folder of the drive's date.
-std::optional<DriveRange> range_by_number(const fs::path& folder) {
-  const fs::path path = fs::absolute(folder).lexically_normal();
+std::optional<DriveRange> range_by_number(const fs::path& path) {
   if (fs::exists(path)) return std::nullopt;
   const bool raw_root = std::any_of(
       kitti_drives().begin(), kitti_drives().end(),
@@ -137,6 +136,11 @@ void read_imu_and_truth(const DriveRange& drive, Recording& recording) {
   }
   ImuTable table = oxts_imu(packets, oxts.string());
   trim(table.samples, first_ns, last_ns);
+  if (table.samples.empty()) {
+    log::warn("{}: no packet between the first and the last image; running without IMU",
+              oxts.string());
+    return;
+  }
   recording.imu = ImuData{kitti_imu_noise(), std::move(table.samples), table.cleaning.dropped()};
 }
 
@@ -198,6 +202,11 @@ std::optional<RawImu> find_raw_imu(const fs::path& odometry_root,
     sample.time_ns += first_time_ns - *stamps[known->first];
   }
   trim(table.samples, first_time_ns, last_time_ns);
+  if (table.samples.empty()) {
+    log::warn("{}: no packet between the first and the last image; running without IMU",
+              oxts.string());
+    return std::nullopt;
+  }
   RawImu raw;
   raw.imu = ImuData{kitti_imu_noise(), std::move(table.samples), table.cleaning.dropped()};
   raw.T_velo_imu = KittiCalibration(folders->date / "calib_imu_to_velo.txt").rigid("R", "T");

@@ -62,13 +62,19 @@ const Format& format_of(const std::filesystem::path& folder) {
                   folder.string(), looked_for));
 }
 
-Recording read_existing(const std::filesystem::path& folder, const std::string& format) {
+/// "sequences/00/" and "." end in the name of a folder as well: readers look at it and beside it.
+std::filesystem::path named_folder(const std::filesystem::path& given) {
+  return std::filesystem::absolute(given / ".").lexically_normal().parent_path();
+}
+
+Recording read_existing(const std::filesystem::path& given, const std::string& format) {
   if (format != "auto") format_named(format);
+  const std::filesystem::path folder = named_folder(given);
   // KITTI raw drives may be named by their odometry number, which is no folder.
   if (!std::filesystem::is_directory(folder) && !looks_like_kitti_raw(folder)) {
-    throw InputError(folder.string() + (std::filesystem::exists(folder)
-                                            ? ": is a file; give the folder of a sequence"
-                                            : ": no such folder; check the path"));
+    throw InputError(given.string() + (std::filesystem::exists(given)
+                                           ? ": is a file; give the folder of a sequence"
+                                           : ": no such folder; check the path"));
   }
   const Format& chosen = format == "auto" ? format_of(folder) : format_named(format);
   return chosen.read(folder);

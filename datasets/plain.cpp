@@ -158,12 +158,11 @@ bool looks_like_plain(const fs::path& folder) {
   return fs::is_directory(folder / "left") && fs::is_directory(folder / "right");
 }
 
-Recording read_plain(const fs::path& given) {
-  const fs::path folder = fs::absolute(given).lexically_normal();
+Recording read_plain(const fs::path& folder) {
   PlainCalibration calibration = read_calibration(folder);
   Recording recording("plain", std::move(calibration.rectifier));
   recording.name = folder_name(folder);
-  recording.root = given;
+  recording.root = folder;
   recording.left_folder = folder / "left";
   recording.right_folder = folder / "right";
   recording.calibration_file = calibration.files.front().string();
@@ -176,9 +175,7 @@ Recording read_plain(const fs::path& given) {
     for (FramePair& frame : recording.frames) std::swap(frame.left, frame.right);
   }
   if (fs::exists(folder / "truth.tum")) {
-    recording.truth = read_trajectory(folder / "truth.tum");
-    recording.truth->frame = "body";
-    recording.input_files.push_back(folder / "truth.tum");
+    read_truth_file(folder / "truth.tum", "body", recording);
   }
   for (const char* name : {"times.txt", "imu.csv"}) {
     if (fs::exists(folder / name)) recording.input_files.push_back(folder / name);

@@ -44,7 +44,9 @@ void ask_for_gray8(png_structp png, png_infop info) {
   if (depth == 16) png_set_strip_16(png);
   if (color == PNG_COLOR_TYPE_PALETTE) png_set_palette_to_rgb(png);
   if (color == PNG_COLOR_TYPE_GRAY && depth < 8) png_set_expand_gray_1_2_4_to_8(png);
-  if ((color & PNG_COLOR_MASK_ALPHA) != 0) png_set_strip_alpha(png);
+  // A palette may say which of its colours are transparent.
+  const bool transparent = png_get_valid(png, info, PNG_INFO_tRNS) != 0;
+  if ((color & PNG_COLOR_MASK_ALPHA) != 0 || transparent) png_set_strip_alpha(png);
   if ((color & PNG_COLOR_MASK_COLOR) != 0) {
     png_set_rgb_to_gray(png, PNG_ERROR_ACTION_NONE, 0.299, 0.587);  // ITU-R BT.601
   }

@@ -4,8 +4,10 @@
 #include <map>
 #include <utility>
 
+#include "datasets/trajectory_file.hpp"
 #include "slam/base/error.hpp"
 #include "slam/base/log.hpp"
+#include "slam/base/time.hpp"
 
 namespace imslam::datasets {
 namespace {
@@ -112,14 +114,50 @@ void check_image_size(const Recording& recording) {
   }
 }
 
+/// Frames so close or so far apart were stamped in another unit.
+void check_frame_interval(const Recording& recording) {
+  constexpr double kLeast_s = 1.0 / 5000.0;
+  constexpr double kLargest_s = 20.0;
+  std::vector<std::int64_t> steps;
+  for (std::size_t i = 1; i < recording.frames.size(); ++i) {
+    steps.push_back(recording.frames[i].time_ns - recording.frames[i - 1].time_ns);
+  }
+  if (steps.empty()) return;
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  const double step_s = to_seconds(*middle);
+  if (step_s >= kLeast_s && step_s <= kLargest_s) return;
+  throw InputError(fmt::format(
+      "{}: the stamps of frames advance by {:g} s, which no camera does; they are in another unit, "
+      "or only numbers: write nanoseconds (EuRoC, names of images) or seconds (times.txt)",
+      recording.root.string(), step_s));
+}
+
 }  // namespace
 
 std::unique_ptr<Sequence> make_sequence(Recording recording) {
   if (recording.frames.empty()) {
     throw InputError(recording.root.string() + ": no stereo frames; is the index empty?");
   }
+  check_frame_interval(recording);
   check_image_size(recording);
   return std::make_unique<RecordedSequence>(std::move(recording));
+}
+
+void read_truth_file(const std::filesystem::path& file,
+                     const std::string& frame,
+                     Recording& recording) {
+  recording.input_files.push_back(file);
+  try {
+    if (!std::filesystem::is_regular_file(file)) {
+      throw InputError(file.string() + ": not a regular file; put the trajectory itself there");
+    }
+    recording.truth = read_trajectory(file);
+    recording.truth->frame = frame;
+  } catch (const InputError& error) {
+    log::warn("{}; the truth is not used", error.what());
+    recording.truth_fault.emplace(error.what(), ExitCode::kData);
+  }
 }
 
 std::optional<ImageSize> common_image_size(const std::filesystem::path& folder,

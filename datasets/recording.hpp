@@ -10,6 +10,7 @@
 #include "datasets/image_io.hpp"
 #include "datasets/rectify.hpp"
 #include "datasets/sequence.hpp"
+#include "slam/base/error.hpp"
 
 namespace imslam::datasets {
 
@@ -30,6 +31,7 @@ struct Recording {
   std::optional<ImuData> imu;
   std::optional<PosePath> truth;
   lie::SE3d T_body_truth;
+  std::optional<InputError> truth_fault;  ///< why the truth that is there is not used
 
   std::string calibration_file;
   std::vector<std::filesystem::path> input_files;
@@ -50,6 +52,12 @@ Recording read_recording(const std::filesystem::path& folder, const std::string&
 /// InputError(kData) if there are no frames or no image can be read; InputError(kCalibration) if
 /// the images have another size than the calibration says.
 std::unique_ptr<Sequence> make_sequence(Recording recording);
+
+/// The truth of that file, of `frame`. A file with a flaw costs the figures, not the run: it is
+/// warned of and becomes the truth_fault.
+void read_truth_file(const std::filesystem::path& file,
+                     const std::string& frame,
+                     Recording& recording);
 
 /// Size that most of a few probed images have; empty if none can be read.
 std::optional<ImageSize> common_image_size(const std::filesystem::path& folder,

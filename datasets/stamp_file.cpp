@@ -68,7 +68,9 @@ std::optional<std::int64_t> parse_seconds(std::string_view text) {
       point == std::string_view::npos ? std::string_view() : digits.substr(point + 1);
   const bool plain = all_digits(whole) && (fraction.empty() || all_digits(fraction));
   if (plain && whole.size() <= 10) {
-    const std::int64_t ns = parse_int64(whole).value_or(0) * kNsPerSecond + fraction_ns(fraction);
+    const std::int64_t seconds = parse_int64(whole).value_or(0);
+    if (seconds > kMaxTimeNs / kNsPerSecond) return std::nullopt;
+    const std::int64_t ns = seconds * kNsPerSecond + fraction_ns(fraction);
     if (ns > kMaxTimeNs) return std::nullopt;
     return negative ? -ns : ns;
   }

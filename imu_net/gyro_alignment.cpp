@@ -82,9 +82,10 @@ std::optional<Residual> Fit::residual(const RelativeMotion& motion) const {
   if (!options_.estimate_rotation) J.rightCols<3>().setZero();
   r.white = root.matrixL().solve(r.raw);
   r.J = root.matrixL().solve(J);
-  const double density = noise_.gyro_noise_density;
+  // What the readings say themselves of their noise is in the covariance, too.
+  const double density_sq = imu.covariance.topLeftCorner<3, 3>().trace() / (3.0 * imu.dt_s);
   const Eigen::Matrix3d whitener = root.matrixL().solve(Eigen::Matrix3d::Identity());
-  r.false_information = 2.0 * density * density * noise_.rate_hz * whitener.squaredNorm();
+  r.false_information = 2.0 * density_sq * noise_.rate_hz * whitener.squaredNorm();
   return r;
 }
 

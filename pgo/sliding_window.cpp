@@ -58,13 +58,18 @@ bool SlidingWindow::add_zero_velocity(int state, double sigma) {
   return true;
 }
 
-SolveReport SlidingWindow::update() {
+SolveReport SlidingWindow::update(int needed) {
   SolverOptions solver;
   solver.max_iterations = options_.max_iterations;
   solver.function_tolerance = options_.function_tolerance;
   solver.threads = 1;  // a window is too small to share
   const SolveReport report = graph_.solve(solver);
-  while (static_cast<int>(graph_.states().size()) > options_.states) {
+  const auto too_many = [&] {
+    const int count = static_cast<int>(graph_.states().size());
+    const bool waits = first_ >= needed && count <= kLongestWait * options_.states;
+    return count > options_.states && !waits;
+  };
+  while (too_many()) {
     drop_first_state(graph_.data(), marginalize_first_state(graph_.data(), graph_.options()));
     ++first_;
   }

@@ -33,8 +33,11 @@ class SlidingWindow {
   bool add_imu_edge(int from, int to, const ImuMotion& motion);
   bool add_zero_velocity(int state, double sigma = 0.01);
 
-  /// Optimises the window, then marginalises what exceeds it.
-  SolveReport update();
+  /// Optimises the window, then marginalises what exceeds it. State `needed` and younger ones stay
+  /// as long as no more than kLongestWait windows are full: a measurement that begins there is to
+  /// come.
+  SolveReport update(int needed);
+  SolveReport update() { return update(end()); }
 
   int first() const { return first_; }  ///< number of the oldest state in the window
   int end() const { return first_ + static_cast<int>(graph_.states().size()); }
@@ -48,6 +51,8 @@ class SlidingWindow {
 
   PoseVelocityGraph graph_;
   WindowOptions options_;
+  static constexpr int kLongestWait = 3;
+
   int first_ = 0;
 };
 

@@ -71,6 +71,22 @@ void KeyframeMap::add(Keyframe keyframe) {
   entries_.push_back(std::move(entry));
 }
 
+void KeyframeMap::move(const lie::SE3d& T_body0_body1,
+                       const Eigen::Matrix<double, 6, 6>& covariance) {
+  const Eigen::Matrix<double, 6, 6> A = T_body0_body1.inverse().adjoint();
+  for (Entry& entry : entries_) {
+    Eigen::Matrix<double, 6, 6>& known = entry.keyframe.covariance;
+    known = A * known * A.transpose() + covariance;
+  }
+}
+
+Keyframe* KeyframeMap::at(std::int64_t time_ns) {
+  for (Entry& entry : entries_) {
+    if (entry.keyframe.time_ns == time_ns) return &entry.keyframe;
+  }
+  return nullptr;
+}
+
 void KeyframeMap::make_room() {
   std::size_t leaving = entries_.size() - 1;
   double highest = -1.0;

@@ -24,6 +24,11 @@ class KeyframeMap {
 
   void add(Keyframe keyframe);
 
+  /// The body has moved on: what is known of its motion since each view gets less sure.
+  void move(const lie::SE3d& T_body0_body1, const Eigen::Matrix<double, 6, 6>& covariance);
+  /// The view of that time, if it is still kept. Valid until the next add().
+  Keyframe* at(std::int64_t time_ns);
+
   /// A view taken at least options.min_gap_s before `time_ns` and its similarity with the present.
   struct Candidate {
     const Keyframe* keyframe = nullptr;  ///< valid until the next add()

@@ -38,8 +38,9 @@ LoopCloser::LoopCloser(const LoopOptions& options,
 
 void LoopCloser::move(const lie::SE3d& T_body0_body1, const Matrix6& covariance) {
   T_map_body_ = T_map_body_ * T_body0_body1;
-  const Matrix6 A = T_body0_body1.inverse().adjoint();
-  covariance_ = A * covariance_ * A.transpose() + covariance;
+  map_.move(T_body0_body1, covariance);
+  drift_.translation += covariance.topLeftCorner<3, 3>().trace() / 3.0;
+  drift_.rotation += covariance.bottomRightCorner<3, 3>().trace() / 3.0;
 }
 
 /// Nothing is known about the time since the last pose.
@@ -57,32 +58,58 @@ void LoopCloser::advance(const RelativeMotion& motion) {
   time_ns_ = motion.time1_ns;
 }
 
-std::optional<PredictedMotion> LoopCloser::predict(const Keyframe& keyframe) const {
+/// Of the motion since `keyframe`, by way of the view that was recognised last: what is known since
+/// that one, and the odometry's drift between the two views.
+LoopCloser::Matrix6 LoopCloser::covariance_by_last_match(const Keyframe& keyframe,
+                                                         const lie::SE3d& T_body0_body1) {
+  const Keyframe* last = matched_ns_ ? map_.at(*matched_ns_) : nullptr;
+  if (last == nullptr) return keyframe.covariance;
+  const double rotation = std::abs(keyframe.drift.rotation - last->drift.rotation);
+  const double lever_sq = T_body0_body1.translation().squaredNorm();
+  Matrix6 covariance = last->covariance;
+  covariance.diagonal().head<3>().array() +=
+      std::abs(keyframe.drift.translation - last->drift.translation) + rotation * lever_sq;
+  covariance.diagonal().tail<3>().array() += rotation;
+  return covariance;
+}
+
+/// How far a point may lie from where it is expected, in pixels.
+double LoopCloser::search_px(const Keyframe& keyframe, const Matrix6& covariance) const {
+  const double sigma_t = std::sqrt(covariance.diagonal().head<3>().maxCoeff());
+  const double sigma_r = std::sqrt(covariance.diagonal().tail<3>().maxCoeff());
+  return std::hypot(camera_.fx * sigma_r, keyframe.median_disparity / camera_.baseline_m * sigma_t);
+}
+
+std::optional<PredictedMotion> LoopCloser::predict(const Keyframe& keyframe) {
   const lie::SE3d T_map_body0 = keyframe.T_map_left * camera_.T_body_left.inverse();
   PredictedMotion predicted;
   predicted.T_body0_body1 = T_map_body0.inverse() * T_map_body_;
-  const Matrix6 A = predicted.T_body0_body1.inverse().adjoint();
-  predicted.covariance = covariance_ + A * keyframe.covariance * A.transpose();
-  const double sigma_t = std::sqrt(predicted.covariance.diagonal().head<3>().maxCoeff());
-  const double sigma_r = std::sqrt(predicted.covariance.diagonal().tail<3>().maxCoeff());
-  const double sigma_px =
-      std::hypot(camera_.fx * sigma_r, keyframe.median_disparity / camera_.baseline_m * sigma_t);
+  predicted.covariance = keyframe.covariance;
+  const Matrix6 by_match = covariance_by_last_match(keyframe, predicted.T_body0_body1);
+  if (search_px(keyframe, by_match) < search_px(keyframe, keyframe.covariance)) {
+    predicted.covariance = by_match;
+  }
+  const double sigma_px = search_px(keyframe, predicted.covariance);
   if (!(3.0 * sigma_px <= options_.max_search * camera_.width)) return std::nullopt;
   return predicted;
 }
 
-/// Kalman update of the pose in the map.
-void LoopCloser::correct(const Keyframe& keyframe, const RelativeMotion& motion) {
-  const lie::SE3d T_map_body0 = keyframe.T_map_left * camera_.T_body_left.inverse();
-  const Matrix6 A = motion.T_body0_body1.inverse().adjoint();
-  const Matrix6 noise = motion.covariance + A * keyframe.covariance * A.transpose();
+/// Kalman update of the motion since that view, and with it of the pose in the map.
+void LoopCloser::correct(std::int64_t keyframe_ns, const RelativeMotion& motion) {
+  Keyframe* keyframe = map_.at(keyframe_ns);
+  if (keyframe == nullptr) return;
+  const lie::SE3d T_map_body0 = keyframe->T_map_left * camera_.T_body_left.inverse();
+  const auto predicted = predict(*keyframe);
+  const Matrix6 known = predicted ? predicted->covariance : keyframe->covariance;
   const Eigen::Matrix<double, 6, 1> innovation =
       (T_map_body_.inverse() * T_map_body0 * motion.T_body0_body1).log();
-  const Eigen::LDLT<Matrix6> sum(covariance_ + noise);
-  const Matrix6 gain = sum.solve(covariance_).transpose();
+  const Eigen::LDLT<Matrix6> sum(known + motion.covariance);
+  const Matrix6 gain = sum.solve(known).transpose();
   const Matrix6 rest = Matrix6::Identity() - gain;
   T_map_body_ = T_map_body_ * lie::SE3d::exp(gain * innovation);
-  covariance_ = rest * covariance_ * rest.transpose() + gain * noise * gain.transpose();
+  keyframe->covariance =
+      rest * known * rest.transpose() + gain * motion.covariance * gain.transpose();
+  matched_ns_ = keyframe_ns;
 }
 
 const StereoFrame& LoopCloser::with_images(const StereoFrame& frame) {
@@ -110,7 +137,7 @@ std::vector<RelativeMotion> LoopCloser::recognise(const StereoFrame& frame,
     const auto motion =
         matcher_.match(*candidate.keyframe, view_, frame.time_ns, *predicted, disparity_offset);
     if (!motion) continue;
-    correct(*candidate.keyframe, *motion);
+    correct(candidate.keyframe->time_ns, *motion);
     motions.push_back(*motion);
   }
   return motions;
@@ -120,7 +147,7 @@ void LoopCloser::keep(const StereoFrame& frame, const std::vector<StereoPoint>& 
   Keyframe keyframe;
   keyframe.time_ns = frame.time_ns;
   keyframe.T_map_left = T_map_body_ * camera_.T_body_left;
-  keyframe.covariance = covariance_;
+  keyframe.drift = drift_;
   keyframe.left = with_images(frame).left;
   if (keyframe.left.empty()) return;
   const auto most = static_cast<std::size_t>(options_.max_points);

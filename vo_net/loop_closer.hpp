@@ -14,8 +14,10 @@ namespace imslam::vo {
 /// are not those of the odometry.
 ///
 /// Holds its own estimate of where the body is in the map of its keyframes, the odometry corrected
-/// by what it recognises (a Kalman filter over one pose). It only says where to search and which
-/// views to compare; the motions do not lean on it.
+/// by what it recognises. How sure it is of the motion since a view is known view by view: what
+/// both have in common of the odometry's error does not count, and a view that is seen again and
+/// again says nothing of the others. It only says where to search and which views to compare; the
+/// motions do not lean on it.
 class LoopCloser {
  public:
   /// `load` is asked for the images of frames that come unread, if there are any.
@@ -40,8 +42,10 @@ class LoopCloser {
   void move(const lie::SE3d& T_body0_body1, const Matrix6& covariance);
   const StereoFrame& with_images(const StereoFrame& frame);
   std::vector<RelativeMotion> recognise(const StereoFrame& frame, double disparity_offset);
-  std::optional<PredictedMotion> predict(const Keyframe& keyframe) const;
-  void correct(const Keyframe& keyframe, const RelativeMotion& motion);
+  std::optional<PredictedMotion> predict(const Keyframe& keyframe);
+  Matrix6 covariance_by_last_match(const Keyframe& keyframe, const lie::SE3d& T_body0_body1);
+  double search_px(const Keyframe& keyframe, const Matrix6& covariance) const;
+  void correct(std::int64_t keyframe_ns, const RelativeMotion& motion);
   void keep(const StereoFrame& frame, const std::vector<StereoPoint>& points);
 
   LoopOptions options_;
@@ -53,8 +57,9 @@ class LoopCloser {
   FrameLoader load_;
   StereoFrame loaded_;  ///< the last one that came unread
   lie::SE3d T_map_body_;
-  Matrix6 covariance_ = Matrix6::Zero();  ///< right tangent
-  std::optional<std::int64_t> time_ns_;   ///< of T_map_body_
+  Drift drift_;
+  std::optional<std::int64_t> time_ns_;     ///< of T_map_body_
+  std::optional<std::int64_t> matched_ns_;  ///< the view that was recognised last
   int frames_since_search_ = 0;
 };
 

@@ -16,6 +16,9 @@ constexpr int kMostSamples = 400;
 constexpr double kMissed = 0.01;  // probability that no sample lay within the largest group
 constexpr int kIterations = 6;
 constexpr double kDamping = 1e-6;
+// Beyond, a sample diverges; from a standing start a fast car takes steps of metres.
+constexpr double kLargestStep_m = 10.0;
+constexpr double kLargestStep_rad = 1.0;
 constexpr std::size_t kScoredPoints = 200;  // at most, evenly taken
 constexpr double kClose_px = 2.0;       // how well a point of the group fits, at an exact rotation
 constexpr double kContradiction = 4.0;  // standard deviations of what was foretold
@@ -53,7 +56,9 @@ std::optional<lie::SE3d> motion_of(const Problem& problem, Estimate estimate) {
     if (system.used < static_cast<int>(kSampleSize)) return std::nullopt;
     const Eigen::Matrix<double, 6, 6> H = system.H.topLeftCorner<6, 6>();
     const auto step = solve_positive(H, -system.g.head<6>());
-    if (!step || !(step->norm() < 1.0)) return std::nullopt;  // [m, rad]
+    const bool sane = step && step->head<3>().norm() < kLargestStep_m &&
+                      step->tail<3>().norm() < kLargestStep_rad;
+    if (!sane) return std::nullopt;
     estimate.T_left0_left1 = estimate.T_left0_left1 * lie::SE3d::exp(*step);
     ReducedVector reduced;
     reduced << *step, 0.0, 0.0;

@@ -20,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
+constexpr const char* kRecipe = "simulation.yaml";
 constexpr std::size_t kBatch = 8;  ///< frames in memory at once
 
 double seconds_since(Clock::time_point start) {
@@ -37,6 +38,10 @@ void prepare_folder(const fs::path& out, bool force) {
     throw InputError(out.string() + ": is not empty; give another folder or simulation.force=true",
                      ExitCode::kOutput);
   }
+  if (!fs::exists(out / kRecipe, error)) {
+    throw InputError(out.string() + ": holds no earlier simulation; nothing else is replaced",
+                     ExitCode::kOutput);
+  }
   fs::remove_all(out / "mav0", error);
   if (error) throw InputError(out.string() + ": " + error.message(), ExitCode::kOutput);
 }
@@ -46,7 +51,7 @@ void write_options(const fs::path& out, const Simulator& simulator) {
   options.force = false;
   Config config;
   config.section("simulation", options);
-  write_file_atomic(out / "simulation.yaml",
+  write_file_atomic(out / kRecipe,
                     "# Textures: " + simulator.texture_bank() + "\n" + config.to_yaml());
 }
 

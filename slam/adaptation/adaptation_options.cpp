@@ -92,7 +92,7 @@ void AdaptationOptions::validate() const {
   vo::require(online_every >= 1, "finetune.online_every", online_every, "1 or more");
   vo::require(online_rate > 0.0, "finetune.online_rate", online_rate, "> 0");
   vo::require(online_memory_s >= 5.0, "finetune.online_memory_s", online_memory_s, "5 or more");
-  completed().validate_training();
+  completed().validate_training("finetune");
 }
 
 AdaptationOptions AdaptationOptions::completed() const {

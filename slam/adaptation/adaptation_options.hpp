@@ -65,8 +65,8 @@ struct AdaptationOptions : learner::TrainingOptions {
   AdaptationOptions completed() const;
 };
 
-/// Whether a frame belongs to a stretch that is held out: the last ones of every 1 / held_out
-/// stretches.
+/// Whether a frame belongs to a stretch that is held out: of every 1 / held_out stretches (rounded)
+/// the one in the middle.
 bool is_held_out(std::size_t frame, const AdaptationOptions& options);
 
 }  // namespace imslam::adaptation

@@ -65,7 +65,7 @@ AdaptationTraining::AdaptationTraining(const std::vector<EpochRequest>& requests
         "leave it off, or use one process",
         ExitCode::kUsage);
   }
-  if (requests.size() > 1) share_batches(group, requests.size());
+  if (requests.size() > 1 || group.size() > 1) share_batches(group, requests.size());
   for (std::size_t s = 0; s < requests.size(); ++s) {
     lessons_.push_back(nullptr);
     if (!group.owns(s)) continue;

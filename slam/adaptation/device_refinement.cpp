@@ -28,11 +28,11 @@ void take_focal_length(const system::SlamResult& result,
 }
 
 void take_disparity_offset(const system::SlamResult& result,
-                           const system::SystemOptions& priors,
+                           const vo::DisparityOffsetOptions& prior,
                            DeviceCalibration& device) {
   const auto& disparity = result.disparity_offset_px;
   const double change = disparity.value - device.disparity_offset_px;
-  if (is_news(change, disparity.sigma, priors.disparity_offset_prior_px)) {
+  if (is_news(change, disparity.sigma, prior.prior_sigma)) {
     device.disparity_offset_px = disparity.value;
   }
 }
@@ -71,7 +71,7 @@ DeviceCalibration refined_device(const system::SlamResult& result,
   const system::SystemOptions& priors = slam.system;
   if (!result.solve.converged || !keeps_calibration(options, slam)) return refined;
   take_time_offset(result, priors, refined);
-  take_disparity_offset(result, priors, refined);
+  take_disparity_offset(result, slam.vo.offset, refined);
   if (imu && imu->gyro_bias_sigma <= priors.trusted_gyro_bias) {
     take_focal_length(result, priors, refined);
     if (options.camera_rotation) take_rotation(result, priors, refined);

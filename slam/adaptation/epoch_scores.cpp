@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -19,6 +20,8 @@ namespace imslam::adaptation {
 namespace {
 
 constexpr double kStride_s = 0.5;
+/// In a mean over sequences: far worse than any that teaches, and the others still count.
+constexpr double kUnusable = 1e6;
 
 void score_inertial(const training::InertialLog& truth,
                     const imu::ImuNetwork<float>* network,
@@ -109,8 +112,8 @@ EpochScores mean_of(const std::vector<EpochScores>& all) {
   EpochScores mean;
   const auto count = static_cast<double>(all.size());
   for (const EpochScores& one : all) {
-    mean.held_out_loss += one.held_out_loss / count;
-    mean.learned_loss += one.learned_loss / count;
+    mean.held_out_loss += std::min(one.held_out_loss, kUnusable) / count;
+    mean.learned_loss += std::min(one.learned_loss, kUnusable) / count;
   }
   for (const auto figure : kFigures) {
     double sum = 0.0;

@@ -43,12 +43,19 @@ void make_folder(const fs::path& folder) {
   }
 }
 
-/// What a finished fine-tuning left: none of it belongs to the one that begins.
-void throw_results_away(const fs::path& folder) {
+/// What a finished fine-tuning left: none of it belongs to the one that begins. Without a word that
+/// it may go, it stays.
+void throw_results_away(const learner::TrainingRequest& request) {
   std::error_code ignored;
   for (const char* name :
        {kWeights, "zero_shot", "adapted", "metrics.json", "report.html", "learning.svg"}) {
-    fs::remove_all(folder / name, ignored);
+    const fs::path result = request.folder / name;
+    if (!request.force && fs::exists(result, ignored)) {
+      throw InputError(result.string() + ": is in the way, and no training here goes on; " +
+                           request.force_flag + " throws it away",
+                       ExitCode::kOutput);
+    }
+    fs::remove_all(result, ignored);
   }
 }
 
@@ -70,7 +77,7 @@ void keep_given_weights(AdaptationTraining& training, const learner::TrainingReq
   learner::prepare_training_folder(request, training.name());
   const nn::ParameterList<float>& given = training.networks().parameters();
   if (!request.resume || !learner::has_checkpoint(request.folder)) {
-    throw_results_away(request.folder);
+    throw_results_away(request);
     nn::save_parameters(request.start, given, training.card());
     return;
   }

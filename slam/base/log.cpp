@@ -5,6 +5,8 @@
 
 #include <memory>
 
+#include "slam/base/error.hpp"
+
 namespace imslam::log {
 namespace {
 
@@ -32,7 +34,14 @@ void start(Level level) {
 }
 
 void add_file(const std::filesystem::path& file) {
-  const auto sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string(), true);
+  std::shared_ptr<spdlog::sinks::basic_file_sink_mt> sink;
+  try {
+    sink = std::make_shared<spdlog::sinks::basic_file_sink_mt>(file.string(), true);
+  } catch (const spdlog::spdlog_ex& error) {
+    throw InputError(
+        fmt::format("{}: no messages can be written there ({})", file.string(), error.what()),
+        ExitCode::kOutput);
+  }
   sink->set_level(spdlog::level::debug);
   sink->set_pattern("%H:%M:%S.%e %l: %v");
   spdlog::default_logger()->sinks().push_back(sink);

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "slam/base/error.hpp"
+#include "slam/evaluation/names.hpp"
 #include "slam/evaluation/rigid_matrix.hpp"
 
 namespace imslam::evaluation {
@@ -35,14 +36,8 @@ double distance(const PosePath& path, const PosePair& pair) {
 
 /// evo prints the number of frames as an integer and everything else as a float.
 std::string no_pairs_message(const DeltaOptions& options) {
-  std::string delta = fmt::format("{}", options.delta);
-  if (options.unit != DeltaUnit::kFrames && delta.find_first_of(".e") == std::string::npos) {
-    delta += ".0";
-  }
-  const char* const units[] = {"frames", "m", "deg", "rad"};
-  return fmt::format(
-      "delta = {} ({}) produced an empty index list - try lower values or a less strict tolerance",
-      delta, units[static_cast<int>(options.unit)]);
+  return delta_text(options) +
+         " produced an empty index list - try lower values or a less strict tolerance";
 }
 
 ErrorSeries distance_errors(const PosePath& reference,

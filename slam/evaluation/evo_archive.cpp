@@ -124,7 +124,8 @@ std::string evo_archive(const EvoResult& result) {
                                         {"std", s.std},   {"min", s.min},   {"max", s.max},
                                         {"sse", s.sse}};
   MemoryZip zip;
-  zip.add("info.json", info.dump());
+  // Names of files may be no UTF-8.
+  zip.add("info.json", info.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
   zip.add("stats.json", stats.dump());
   zip.add("error_array.npy", npy(result.errors));
   const std::pair<const char*, const std::vector<double>*> arrays[] = {

@@ -16,6 +16,13 @@ double euler_angle(const Eigen::Matrix3d& R, int axis) {
   return std::atan2(R(2, 1), R(2, 2));
 }
 
+/// The positions of some poses only.
+PosePath thinned(const PosePath& path, const std::vector<std::size_t>& kept) {
+  PosePath thin;
+  for (const std::size_t i : kept) thin.poses.push_back(path.poses[i]);
+  return thin;
+}
+
 const char* plane_name(Plane plane) {
   const char* const names[] = {"", "xy", "xz", "yz"};
   return names[static_cast<int>(plane)];
@@ -57,12 +64,12 @@ MetricResult measure(const MatchedPaths& matched, const MetricOptions& options) 
       evo_title(options.relation, options.alignment, options.relative ? &options.delta : nullptr,
                 plane_name(options.projection));
   result.aligned = align(matched.reference, matched.estimate, options.alignment);
-  const PosePath reference = projected(matched.reference, options.projection);
+  result.reference = projected(matched.reference, options.projection);
   result.aligned.estimate = projected(result.aligned.estimate, options.projection);
-  result.series =
-      options.relative
-          ? relative_errors(reference, result.aligned.estimate, options.relation, options.delta)
-          : absolute_errors(reference, result.aligned.estimate, options.relation);
+  result.series = options.relative ? relative_errors(result.reference, result.aligned.estimate,
+                                                     options.relation, options.delta)
+                                   : absolute_errors(result.reference, result.aligned.estimate,
+                                                     options.relation);
   result.stats = statistics(result.series.errors);
   return result;
 }
@@ -82,10 +89,14 @@ EvoResult evo_result(const MatchedPaths& matched,
     evo.T_alignment = result.aligned.transform.matrix();
   }
   if (!matched.reference.has_stamps()) return evo;
-  const std::vector<double> along_reference = distances_along(matched.reference);
-  const std::vector<double> along_estimate = distances_along(result.aligned.estimate);
-  for (const std::size_t i : result.series.poses) {
-    const double stamp = matched.estimate.stamps_s[i];
+  // evo thins both paths out to the first pose and those of the pairs before it measures them.
+  std::vector<std::size_t> kept = result.series.poses;
+  if (options.relative) kept.insert(kept.begin(), 0);
+  const std::vector<double> along_reference = distances_along(thinned(result.reference, kept));
+  const std::vector<double> along_estimate =
+      distances_along(thinned(result.aligned.estimate, kept));
+  for (std::size_t i = options.relative ? 1 : 0; i < kept.size(); ++i) {
+    const double stamp = matched.estimate.stamps_s[kept[i]];
     evo.timestamps_s.push_back(stamp);
     evo.seconds_from_start_s.push_back(stamp - matched.estimate.stamps_s.front());
     evo.distances_from_start_m.push_back(along_reference[i]);

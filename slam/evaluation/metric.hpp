@@ -30,6 +30,7 @@ struct MetricResult {
   std::string title;  ///< evo's
   ErrorSeries series;
   Statistics stats;
+  PosePath reference;  ///< as measured: projected, if so asked
   AlignedPath aligned;
 };
 

@@ -69,6 +69,15 @@ std::string unit_of(Relation relation) {
   return "unit-less";
 }
 
+std::string delta_text(const DeltaOptions& options) {
+  std::string delta = fmt::format("{}", options.delta);
+  if (options.unit != DeltaUnit::kFrames && delta.find_first_of(".e") == std::string::npos) {
+    delta += ".0";
+  }
+  const char* const units[] = {"frames", "m", "deg", "rad"};
+  return fmt::format("delta = {} ({})", delta, units[static_cast<int>(options.unit)]);
+}
+
 std::string evo_title(Relation relation,
                       const AlignmentOptions& alignment,
                       const DeltaOptions* delta,
@@ -76,10 +85,8 @@ std::string evo_title(Relation relation,
   std::string title = fmt::format("{} w.r.t. {} ({})", delta != nullptr ? "RPE" : "APE",
                                   words_for(relation), unit_of(relation));
   if (delta != nullptr) {
-    const char* const units[] = {"frames", "m", "deg", "rad"};
-    title +=
-        fmt::format("\nfor delta = {} ({}) using {} pairs", delta->delta,
-                    units[static_cast<int>(delta->unit)], delta->all_pairs ? "all" : "consecutive");
+    title += fmt::format("\nfor {} using {} pairs", delta_text(*delta),
+                         delta->all_pairs ? "all" : "consecutive");
   }
   static const std::map<Alignment, const char*> kWords = {
       {Alignment::kNone, "(not aligned)"},

@@ -17,6 +17,9 @@ const std::map<std::string, DeltaUnit>& delta_unit_names();
 std::string words_for(Relation relation);
 std::string unit_of(Relation relation);
 
+/// e.g. "delta = 1 (frames)", "delta = 1.0 (m)", as evo writes it.
+std::string delta_text(const DeltaOptions& options);
+
 /// evo's title, e.g. "APE w.r.t. translation part (m)\n(with SE(3) Umeyama alignment)".
 /// `delta` = nullptr: an absolute error.
 std::string evo_title(Relation relation,

@@ -52,6 +52,10 @@ Statistics statistics(const std::vector<double>& errors) {
   const auto [lowest, highest] = std::minmax_element(errors.begin(), errors.end());
   s.min = *lowest;
   s.max = *highest;
+  if (!std::isfinite(s.sse) || !std::isfinite(s.std) || !std::isfinite(s.max)) {
+    throw InputError("the errors are beyond what can be squared; are the positions in metres?",
+                     ExitCode::kEvaluation);
+  }
   return s;
 }
 

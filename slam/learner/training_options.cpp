@@ -20,18 +20,21 @@ void TrainingOptions::describe_training(Config& config) {
   config.field("guard", guard, "weights given by --start are the result unless it gains on them");
 }
 
-void TrainingOptions::validate_training() const {
-  require_within("train.steps", steps, 1, 1e8);
-  require_within("train.batch", batch, 1, 1024);
-  require_within("train.rate", rate, 0.0, 1.0);
-  require_within("train.warm_up", warm_up, 0, steps);
-  require_within("train.weight_decay", weight_decay, 0.0, 1.0);
-  require_within("train.clip", clip, 1e-6, 1e6);
-  require_within("train.average", average, 0.0, 0.99999);
-  require_within("train.validation_every", validation_every, 1, 1e8);
-  require_within("train.validation_samples", validation_samples, 2, 10000);
-  require_within("train.checkpoint_every", checkpoint_every, 1, 1e8);
-  require_within("train.patience", patience, 0, 1e8);
+void TrainingOptions::validate_training(const std::string& section) const {
+  const auto within = [&section](const char* key, double value, double low, double high) {
+    require_within(section + "." + key, value, low, high);
+  };
+  within("steps", steps, 1, 1e8);
+  within("batch", batch, 1, 1024);
+  within("rate", rate, 0.0, 1.0);
+  within("warm_up", warm_up, 0, steps);
+  within("weight_decay", weight_decay, 0.0, 1.0);
+  within("clip", clip, 1e-6, 1e6);
+  within("average", average, 0.0, 0.99999);
+  within("validation_every", validation_every, 1, 1e8);
+  within("validation_samples", validation_samples, 2, 10000);
+  within("checkpoint_every", checkpoint_every, 1, 1e8);
+  within("patience", patience, 0, 1e8);
 }
 
 }  // namespace imslam::learner

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "slam/base/config.hpp"
 
 namespace imslam::learner {
@@ -22,7 +24,8 @@ struct TrainingOptions {
 
  protected:
   void describe_training(Config& config);
-  void validate_training() const;  ///< Throws InputError(kUsage) naming key, value and bound.
+  /// Throws InputError(kUsage) naming key (of that section), value and bound.
+  void validate_training(const std::string& section = "train") const;
 };
 
 }  // namespace imslam::learner

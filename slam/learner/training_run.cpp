@@ -172,11 +172,29 @@ void prepare_training_folder(const TrainingRequest& request, const std::string& 
   }
 }
 
+namespace {
+
+/// Before anything is thrown away: the training can start, and from a file that will still be
+/// there.
+void check_start(const TrainingRequest& request, const std::string& name) {
+  if (request.resume || request.start.empty()) return;
+  nn::WeightsFile::read(request.start);
+  std::error_code ignored;
+  if (fs::equivalent(request.start, request.folder / weights_name(name), ignored)) {
+    throw InputError(request.start.string() + ": " + request.force_flag +
+                         " throws this file away; begin with a copy of it",
+                     ExitCode::kUsage);
+  }
+}
+
+}  // namespace
+
 bool has_checkpoint(const fs::path& folder) { return fs::exists(folder / kCheckpoint); }
 
 TrainingOutcome run_training(NetworkTraining& training,
                              const std::string& config_yaml,
                              const TrainingRequest& request) {
+  check_start(request, training.name());
   prepare_training_folder(request, training.name());
   const auto write_config = [&] {
     if (request.writes) write_file_atomic(request.folder / "config.yaml", config_yaml);

@@ -4,13 +4,13 @@
 #include <cmath>
 #include <utility>
 
-#include "imu_net/static_detector.hpp"
 #include "pgo/paper_window.hpp"
 #include "pgo/pose_velocity_graph.hpp"
 #include "slam/base/time.hpp"
 #include "slam/system/conflicts.hpp"
 #include "slam/system/inertial_motions.hpp"
 #include "slam/system/inertial_start.hpp"
+#include "slam/system/resting_frames.hpp"
 
 namespace imslam::system {
 namespace {
@@ -70,9 +70,9 @@ class BatchEstimator {
     for (const pgo::State& state : start) graph.add_state(state);
     for (const RelativeMotion& motion : measurements_.odometry) add_motion(motion, graph);
     for (const RelativeMotion& motion : measurements_.skips) add_motion(motion, graph);
-    graph.add_disparity_offset_prior(
-        disparity_offset_.value,
-        disparity_offset_.sigma.value_or(options_.system.disparity_offset_prior_px));
+    if (disparity_offset_.sigma) {
+      graph.add_disparity_offset_prior(disparity_offset_.value, *disparity_offset_.sigma);
+    }
     return graph;
   }
 
@@ -179,7 +179,12 @@ class BatchEstimator {
     if (graph_options.estimate_gyro_shape) {
       graph.add_gyro_shape_prior(Eigen::Matrix3d::Zero(), measurements_.gyro_shape_sigma);
     }
-    if (system.zero_velocity) hold_still_stretches(motions, graph);
+    if (system.zero_velocity && !motions.empty()) {
+      const double sigma = system.zero_velocity_sigma;
+      for (const std::size_t frame : resting_frames(measurements_, sigma, options_.still)) {
+        graph.add_zero_velocity(static_cast<int>(frame), sigma);
+      }
+    }
     return graph;
   }
 
@@ -196,25 +201,6 @@ class BatchEstimator {
       values[belief.axis % 3] = belief.bias;
       sigmas[belief.axis % 3] = belief.sigma;
       graph.add_bias_prior(static_cast<int>(frame - times_ns.begin()), bias, sigma);
-    }
-  }
-
-  /// Frames where the IMU rests and vision agrees.
-  void hold_still_stretches(const std::vector<ImuMotion>& motions,
-                            pgo::PoseVelocityGraph& graph) const {
-    constexpr std::int64_t kHalfWindow_ns = 250'000'000;
-    const double sigma = options_.system.zero_velocity_sigma;
-    for (const RelativeMotion& motion : measurements_.odometry) {
-      const double dt_s = to_seconds(motion.time1_ns - motion.time0_ns);
-      const bool vision_rests = motion.T_body0_body1.translation().norm() < 5.0 * sigma * dt_s;
-      const auto frame = measurements_.frame_at(motion.time1_ns);
-      if (!vision_rests || !frame || motions.empty()) continue;
-      const auto stillness =
-          imu::assess_stillness(measurements_.readings().around(motion.time1_ns - kHalfWindow_ns,
-                                                                motion.time1_ns + kHalfWindow_ns),
-                                motion.time1_ns - kHalfWindow_ns, motion.time1_ns + kHalfWindow_ns,
-                                measurements_.imu_noise, options_.still);
-      if (stillness.still) graph.add_zero_velocity(static_cast<int>(*frame), sigma);
     }
   }
 

@@ -81,6 +81,14 @@ ImuBias bias_without_vision(const Measurements& measurements,
   return bias;
 }
 
+std::vector<RelativeMotion> moved_in_time(std::vector<RelativeMotion> motions, double seconds) {
+  for (RelativeMotion& motion : motions) {
+    motion.time0_ns += to_nanoseconds(seconds);
+    motion.time1_ns += to_nanoseconds(seconds);
+  }
+  return motions;
+}
+
 /// Upright on the accelerometer's word alone, at the first frame.
 pgo::Initialization start_from_rest(const imu::GravityAlignment& rest, const ImuBias& bias) {
   pgo::Initialization start;
@@ -102,10 +110,14 @@ InertialStart start_inertial(const Measurements& measurements,
   ImuBias bias = bias_without_vision(measurements, rest);
   imu::GyroAlignmentOptions alignment_options = options.gyro_alignment;
   alignment_options.estimate_time_offset = options.pgo.estimate_time_offset;
-  if (const auto alignment = imu::align_gyro(measurements.odometry, measurements.readings(),
-                                             measurements.imu_noise, alignment_options)) {
+  // Vision on the clock that the IMU is expected to have: the offset that is left is small.
+  const double expected_s = options.system.time_offset_s;
+  start.time_offset_s = expected_s;
+  if (const auto alignment =
+          imu::align_gyro(moved_in_time(measurements.odometry, expected_s), measurements.readings(),
+                          measurements.imu_noise, alignment_options)) {
     bias.gyro = alignment->gyro_bias;
-    start.time_offset_s = alignment->time_offset_s;
+    start.time_offset_s = expected_s + alignment->time_offset_s;
     start.time_offset_sigma_s = std::sqrt(alignment->covariance(3, 3));
   }
   start.visual = interval_motions(measurements, chain);

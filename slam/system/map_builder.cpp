@@ -12,14 +12,22 @@ using Cloud = pcl::PointCloud<pcl::PointXYZI>;
 
 namespace {
 
+/// Where a point lies with its true disparity; along the same ray.
+Eigen::Vector3d corrected(const MapPoint& point, const MapCamera& camera) {
+  const Eigen::Vector3d p_left = point.p_left.cast<double>();
+  if (camera.disparity_offset_px == 0.0) return p_left;
+  const double disparity = camera.focal_baseline / p_left.z();
+  return p_left * (disparity / (disparity - camera.disparity_offset_px));
+}
+
 Cloud::Ptr to_world(const std::vector<MapPoint>& points,
                     const Trajectory& trajectory,
-                    const lie::SE3d& T_body_left) {
+                    const MapCamera& camera) {
   auto cloud = pcl::make_shared<Cloud>();
   for (const MapPoint& point : points) {
     if (point.frame >= trajectory.size()) continue;
     const Eigen::Vector3d p_world =
-        trajectory.poses[point.frame] * (T_body_left * point.p_left.cast<double>());
+        trajectory.poses[point.frame] * (camera.T_body_left * corrected(point, camera));
     if (!p_world.allFinite()) continue;
     pcl::PointXYZI out;
     out.getVector3fMap() = p_world.cast<float>();
@@ -48,9 +56,9 @@ float cube_side(const Cloud& cloud, double voxel_m) {
 
 void MapBuilder::write_pcd(const std::filesystem::path& file,
                            const Trajectory& trajectory,
-                           const lie::SE3d& T_body_left,
+                           const MapCamera& camera,
                            double voxel_m) const {
-  const Cloud::Ptr cloud = to_world(points_, trajectory, T_body_left);
+  const Cloud::Ptr cloud = to_world(points_, trajectory, camera);
   Cloud filtered;
   if (!cloud->empty()) {
     const float side = cube_side(*cloud, voxel_m);

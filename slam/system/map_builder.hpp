@@ -17,6 +17,13 @@ struct MapPoint {
   std::uint8_t gray = 0;
 };
 
+/// The camera as the graph found it.
+struct MapCamera {
+  lie::SE3d T_body_left;
+  double focal_baseline = 0.0;       ///< [px m] of disparities
+  double disparity_offset_px = 0.0;  ///< by which they were measured too large
+};
+
 /// Collects points while running and puts them into the world once the trajectory, and how the
 /// camera sits on the body, are known.
 class MapBuilder {
@@ -29,7 +36,7 @@ class MapBuilder {
   /// Throws InputError(kOutput).
   void write_pcd(const std::filesystem::path& file,
                  const Trajectory& trajectory,
-                 const lie::SE3d& T_body_left,
+                 const MapCamera& camera,
                  double voxel_m) const;
 
  private:

@@ -10,7 +10,8 @@
 
 namespace imslam::system {
 
-/// Picks a few points of each frame for the map: near ones first, for their depth is sure.
+/// Picks a few points of each frame for the map, spread over the image; near ones, for their depth
+/// is sure.
 class MapSampler {
  public:
   MapSampler(const StereoCamera& camera, const SystemOptions& options);

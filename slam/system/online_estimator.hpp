@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 
@@ -21,8 +22,8 @@ class OnlineEstimator {
   explicit OnlineEstimator(const SlamOptions& options) : options_(options) {}
 
   /// Takes in the newest frame: the last of `measurements`. Its IMU samples must be there.
-  /// `disparity_offset` is what vision knows of the rectification by now.
-  void update(const Measurements& measurements, const Estimate& disparity_offset);
+  /// `disparity_offset` tells what vision knows of the rectification by now, if asked.
+  void update(const Measurements& measurements, const std::function<Estimate()>& disparity_offset);
 
   /// What was known at each frame; empty before the start.
   const Trajectory& trajectory() const { return trajectory_; }
@@ -36,6 +37,10 @@ class OnlineEstimator {
 
  private:
   void try_to_start(const Measurements& measurements, const Estimate& disparity_offset);
+  /// Number in the window of a frame, negative for those before its start.
+  int number_of(std::size_t frame) const {
+    return static_cast<int>(frame) - static_cast<int>(first_frame_);
+  }
   void add_newest(const Measurements& measurements);
   /// Whether the gyro says that the newest motion is not the body's; `guess`: the newest state as
   /// the IMU has it.
@@ -47,8 +52,11 @@ class OnlineEstimator {
   const SlamOptions options_;
   std::optional<pgo::SlidingWindow> window_;
   Trajectory trajectory_;
-  std::size_t next_try_ = 0;    ///< number of frames at which a start is tried again
-  std::int64_t agreed_ns_ = 0;  ///< when vision and gyro last said the same
+  std::size_t next_try_ = 0;     ///< number of frames at which a start is tried again
+  std::size_t first_frame_ = 0;  ///< where the window started
+  int seen_ = 0;                 ///< the newest state that vision reached
+  /// Since when vision and gyro have contradicted each other, if they do.
+  std::optional<std::int64_t> contradicted_ns_;
 };
 
 }  // namespace imslam::system

@@ -98,8 +98,9 @@ void RunFolder::publish() {
 }
 
 RunFolder RunFolder::take(const fs::path& out, bool force) {
-  if (!fs::exists(out)) create(out);
-  if (!fs::is_directory(out)) {
+  std::error_code ignored;  // creating it says what is wrong with the name
+  if (!fs::exists(out, ignored)) create(out);
+  if (!fs::is_directory(out, ignored)) {
     throw InputError(fmt::format("{}: is no folder; name another --out", out.string()),
                      ExitCode::kOutput);
   }

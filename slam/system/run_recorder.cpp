@@ -31,10 +31,11 @@ Trajectory left_camera(const Trajectory& body, const lie::SE3d& T_body_left) {
   return left;
 }
 
-/// T_body_left as the graph found it: what it holds of the camera's pose, turned by what it found.
-lie::SE3d found_camera(const pgo::GraphData& graph) {
+/// What the graph holds of the camera, with what it found: how it is turned, disparities' offset.
+MapCamera found_camera(const pgo::GraphData& graph, const StereoCamera& camera) {
   const auto turn = lie::SO3d::exp(graph.globals.camera_rotation);
-  return graph.T_body_left * lie::SE3d(turn, Eigen::Vector3d::Zero());
+  return {graph.T_body_left * lie::SE3d(turn, Eigen::Vector3d::Zero()),
+          camera.fx * camera.baseline_m, graph.globals.disparity_offset};
 }
 
 void write_trajectories(const fs::path& folder,
@@ -109,7 +110,7 @@ void record_run(const fs::path& folder,
                 double map_voxel_m) {
   write_trajectories(folder, result, camera, evaluation);
   pgo::write_g2o(result.graph_data, folder / "graph.g2o");
-  result.map.write_pcd(folder / "map.pcd", result.graph, found_camera(result.graph_data),
+  result.map.write_pcd(folder / "map.pcd", result.graph, found_camera(result.graph_data, camera),
                        map_voxel_m);
   write_file_atomic(folder / "config.yaml", provenance.config_yaml);
   write_json(folder / "metrics.json", metrics_json(result, summary, evaluation), 2);

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "slam/base/error.hpp"
 #include "slam/base/log.hpp"
+#include "slam/base/time.hpp"
 #include "slam/system/frame_source.hpp"
 #include "slam/system/front_end.hpp"
 #include "slam/system/known_device.hpp"
@@ -15,8 +17,9 @@
 namespace imslam::system {
 namespace {
 
-/// Samples may be needed a little after a frame's stamp: the clocks are up to 0.1 s apart.
-constexpr std::int64_t kImuLookAhead_ns = 150'000'000;
+/// Samples may be needed a little after a frame's stamp: the clocks are up to 0.1 s apart, beyond
+/// what is known of them.
+constexpr double kImuLookAhead_s = 0.15;
 
 struct FrameRange {
   std::size_t first = 0;
@@ -41,10 +44,14 @@ FrameRange frame_range(const datasets::Sequence& sequence, const RunRequest& req
 class ImuFeed {
  public:
   /// `samples` null: there is no IMU.
-  ImuFeed(const std::vector<ImuSample>* samples, std::int64_t start_ns, SlamSystem& slam)
-      : samples_(samples) {
+  ImuFeed(const std::vector<ImuSample>* samples,
+          std::int64_t start_ns,
+          double time_offset_s,
+          SlamSystem& slam)
+      : samples_(samples),
+        look_ahead_ns_(to_nanoseconds(kImuLookAhead_s + std::abs(time_offset_s))) {
     if (samples_ == nullptr) return;
-    for (; next_ < samples_->size() && (*samples_)[next_].time_ns < start_ns - kImuLookAhead_ns;
+    for (; next_ < samples_->size() && (*samples_)[next_].time_ns < start_ns - look_ahead_ns_;
          ++next_) {
       slam.add_earlier_imu((*samples_)[next_]);
     }
@@ -52,8 +59,7 @@ class ImuFeed {
 
   void advance(std::int64_t frame_time_ns, SlamSystem& slam) {
     if (samples_ == nullptr) return;
-    for (;
-         next_ < samples_->size() && (*samples_)[next_].time_ns <= frame_time_ns + kImuLookAhead_ns;
+    for (; next_ < samples_->size() && (*samples_)[next_].time_ns <= frame_time_ns + look_ahead_ns_;
          ++next_) {
       slam.add_imu((*samples_)[next_]);
     }
@@ -61,6 +67,7 @@ class ImuFeed {
 
  private:
   const std::vector<ImuSample>* samples_ = nullptr;
+  std::int64_t look_ahead_ns_;
   std::size_t next_ = 0;
 };
 
@@ -68,6 +75,7 @@ void expect_imu_covers_frames(const datasets::Sequence& sequence, const FrameRan
   const auto& samples = sequence.imu()->samples;
   const std::int64_t first_ns = sequence.frame_time_ns(range.first);
   const std::int64_t last_ns = sequence.frame_time_ns(range.last - 1);
+  expects(!samples.empty(), "Sequence::imu: samples, or none at all");
   if (samples.front().time_ns <= last_ns && samples.back().time_ns >= first_ns) return;
   throw InputError(
       fmt::format("{}: the IMU ({} to {} ns) covers none of the frames ({} to {} ns); write all "
@@ -123,7 +131,7 @@ RunOutcome run_sequence(datasets::Sequence& sequence,
   slam.observe(request.observe);
   slam.observe_window(request.observe_window);
   ImuFeed imu(inertial ? &sequence.imu()->samples : nullptr, sequence.frame_time_ns(range.first),
-              slam);
+              options.system.time_offset_s, slam);
   RunOutcome outcome;
   std::size_t done = 0;
   while (const auto frame = frames.next()) {

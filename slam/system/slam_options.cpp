@@ -25,8 +25,6 @@ void SystemOptions::describe(Config& config) {
   config.field("paper_weights", paper_weights, {"euroc", "kitti"}, "constants of preset paper");
   config.field("loops", loops, "views seen again tie the present to the past");
   config.field("online", online, "a sliding window also estimates while frames come in");
-  config.field("disparity_offset_prior_px", disparity_offset_prior_px,
-               "[px] standard deviation of the disparity offset before looking");
   config.field("focal_error_prior", focal_error_prior,
                "[1] standard deviation of the focal length's relative error before looking");
   config.field("camera_rotation_prior", camera_rotation_prior,
@@ -70,7 +68,6 @@ void SystemOptions::validate() const {
   const auto positive = [](const char* key, double value) {
     require(value > 0.0, key, value, "positive");
   };
-  positive("disparity_offset_prior_px", disparity_offset_prior_px);
   positive("focal_error_prior", focal_error_prior);
   positive("camera_rotation_prior", camera_rotation_prior);
   positive("coarse_gyro_noise", coarse_gyro_noise);

@@ -26,9 +26,8 @@ struct SystemOptions {
   bool loops = true;                    ///< views seen again tie the present to the past
   bool online = true;                   ///< a sliding window also estimates while frames come in
 
-  double disparity_offset_prior_px = 2.0;  ///< standard deviation before looking
-  double focal_error_prior = 0.005;        ///< [1] likewise, of a calibrated camera
-  double camera_rotation_prior = 0.01;     ///< [rad] likewise, of a camera screwed to its IMU
+  double focal_error_prior = 0.005;     ///< [1] likewise, of a calibrated camera
+  double camera_rotation_prior = 0.01;  ///< [rad] likewise, of a camera screwed to its IMU
   /// [rad/s] ImuNoise::gyro_bias_sigma up to which an IMU says how the camera is turned and, in
   /// fine-tuning, what its focal length is: units that compensate themselves. Larger for a gyro
   /// whose scale and axes were calibrated; those of a phone are askew themselves.

@@ -7,6 +7,7 @@
 #include "imu_net/preintegration.hpp"
 #include "imu_net/vibration_meter.hpp"
 #include "slam/base/error.hpp"
+#include "slam/base/time.hpp"
 #include "slam/system/batch_estimator.hpp"
 #include "slam/system/calibration_doubts.hpp"
 #include "slam/system/front_end.hpp"
@@ -22,10 +23,11 @@
 namespace imslam::system {
 namespace {
 
-constexpr double kKnownGyroBias = 2e-3;     // [rad/s] how well the sliding window knows it
-constexpr double kKnownVelocity = 0.05;     // [m/s] likewise
-constexpr double kKnownAcceleration = 1.0;  // [m/s^2] what tilt, bias and scale may add up to
-constexpr double kGyroScale = 0.01;         // [1] and how far its scale and axes may be off
+constexpr double kLongestPrediction_s = 5.0;  // after an outage that long the gyro knows nothing
+constexpr double kKnownGyroBias = 2e-3;       // [rad/s] how well the sliding window knows it
+constexpr double kKnownVelocity = 0.05;       // [m/s] likewise
+constexpr double kKnownAcceleration = 1.0;    // [m/s^2] what tilt, bias and scale may add up to
+constexpr double kGyroScale = 0.01;           // [1] and how far its scale and axes may be off
 
 }  // namespace
 
@@ -131,7 +133,7 @@ class SlamSystem::State {
     if (loops_) recognise(frame, seen);
     if (inertial_ && options_.system.online) {
       const StageScope scope(result_.timing, "sliding window");
-      online_.update(measurements_, seen_disparity_offset());
+      online_.update(measurements_, [this] { return seen_disparity_offset(); });
     }
     if (window_observer && online_.started()) window_observer(online_.window().graph());
     const auto index = static_cast<std::uint32_t>(measurements_.times_ns.size() - 1);
@@ -162,9 +164,12 @@ class SlamSystem::State {
   std::optional<vo::MotionPrior> predict(std::int64_t time_ns) const {
     const auto anchor_ns = odometry_.anchor_time_ns();
     if (!inertial_ || !anchor_ns) return std::nullopt;
-    const ImuMotion motion = imu::preintegrate(
-        measurements_.readings(), *anchor_ns, time_ns, present_bias(), measurements_.imu_noise,
-        options_.system.time_offset_s, options_.preintegration);
+    if (to_seconds(time_ns - *anchor_ns) > kLongestPrediction_s) return std::nullopt;
+    const double time_offset_s = online_.started() ? online_.window().globals().time_offset_s
+                                                   : options_.system.time_offset_s;
+    const ImuMotion motion =
+        imu::preintegrate(measurements_.readings(), *anchor_ns, time_ns, present_bias(),
+                          measurements_.imu_noise, time_offset_s, options_.preintegration);
     if (!motion.valid) return std::nullopt;
     return vo::MotionPrior{motion.dR, std::nullopt, foretold(motion, *anchor_ns)};
   }

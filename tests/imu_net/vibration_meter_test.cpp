@@ -99,6 +99,28 @@ TEST(VibrationMeter, NoticesAnEngineThatStartsAndOneThatStops) {
   EXPECT_LT(sensor.added_gyro(sensor.run(4.0, 0.5)), 1.0);
 }
 
+TEST(VibrationMeter, FastShakingThatIntegratesToNothingCountsLess) {
+  // As rotors do it: hundreds of times the stated variance, near half the rate of the sensor.
+  Shaken quiet;
+  Shaken shaken;
+  ImuNoise noise;
+  const double amplitude = 20.0 * noise.gyro_noise_density * std::sqrt(200.0);
+  ImuSample said;
+  for (int i = 0; i < 1000; ++i) {
+    ImuSample sample = quiet.sample(0.5);
+    sample.angular_velocity.array() += amplitude * std::sin(2.0 * M_PI * 97.0 * i / 200.0);
+    said = shaken.add(sample);
+  }
+  EXPECT_LT(shaken.added_gyro(said), 5.0);
+  // Slower, it does not average out between frames.
+  for (int i = 0; i < 1000; ++i) {
+    ImuSample sample = quiet.sample(0.5);
+    sample.angular_velocity.array() += amplitude * std::sin(2.0 * M_PI * 23.0 * i / 200.0);
+    said = shaken.add(sample);
+  }
+  EXPECT_GT(shaken.added_gyro(said), 50.0);
+}
+
 TEST(VibrationMeter, OneWrongReadingIsNoVibration) {
   Shaken sensor;
   sensor.run(3.0, 0.5);

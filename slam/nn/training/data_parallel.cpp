@@ -1,6 +1,7 @@
 #include "slam/nn/training/data_parallel.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "slam/base/parallel.hpp"
 
@@ -31,7 +32,8 @@ double DataParallel<S>::run(std::size_t samples, const SampleLoss& loss, Gradien
     for (std::size_t i = 0; i < count; ++i) {
       sum += losses_[i];
       tapes_[i]->add_gradients_to(parameters_, gradients);
-      tapes_[i]->apply_observations();
+      // A step that is not a number will be skipped: it must leave nothing behind.
+      if (std::isfinite(losses_[i])) tapes_[i]->apply_observations();
     }
   }
   const double share = 1.0 / static_cast<double>(samples);

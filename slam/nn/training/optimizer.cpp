@@ -68,7 +68,10 @@ void Optimizer<S>::restore(const ParameterList<S>& parameters, const OptimizerSt
         found = true;
         ++used;
       }
-      if (!found) throw ContractError("Optimizer::restore: no '" + name + "' of the right shape");
+      if (!found) {
+        throw InputError("the optimiser's state holds no '" + name + "' of the right shape",
+                         ExitCode::kModel);
+      }
     }
   }
   expects(used == state.tensors.size(), "Optimizer::restore: the state of another network");

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "slam/base/error.hpp"
+
 namespace imslam::routing {
 namespace {
 
@@ -98,6 +100,7 @@ int MinMaxSearch::best_place(int city, bool blink) {
     consider(fleet_.home(t), t);
     if (!empty) consider(fleet_.previous(fleet_.home(t)), t);
   }
+  expects(best >= 0, "MinMaxSearch: distances must be finite and of ordinary size");
   return best;
 }
 

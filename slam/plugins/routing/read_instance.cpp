@@ -88,6 +88,33 @@ Instance distances_of(const std::string& name, const std::vector<Row>& rows) {
   return instance;
 }
 
+/// Numbers that swallow all others: a "no road" of 1e30 leaves nothing to compare tours by.
+void check_magnitudes(const std::string& name, const Instance& instance) {
+  constexpr double kLargestCoordinate = 1e15;
+  constexpr double kLargestRatio = 1e12;
+  for (const Point& point : instance.points) {
+    if (std::abs(point.x) > kLargestCoordinate || std::abs(point.y) > kLargestCoordinate) {
+      throw InputError(fmt::format("{}: a coordinate of {:g}; at most {:g} can be computed with",
+                                   name, std::max(std::abs(point.x), std::abs(point.y)),
+                                   kLargestCoordinate));
+    }
+  }
+  std::vector<double> distances;
+  for (const double distance : instance.matrix) {
+    if (distance > 0.0) distances.push_back(distance);
+  }
+  if (distances.empty()) return;
+  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+  std::nth_element(distances.begin(), middle, distances.end());
+  const double longest = *std::max_element(middle, distances.end());
+  if (longest > std::min(kLargestRatio * *middle, 1e30)) {
+    throw InputError(
+        fmt::format("{}: a distance of {:g} among usual ones of {:g}; for a road that "
+                    "is not there write about a thousand times a usual distance",
+                    name, longest, *middle));
+  }
+}
+
 }  // namespace
 
 Instance parse_table(const std::string& name, const std::string& text) {
@@ -108,6 +135,7 @@ Instance parse_table(const std::string& name, const std::string& text) {
 Instance parse_instance(const std::string& name, const std::string& text, int depot) {
   const bool tsplib = text.find("DIMENSION") != std::string::npos;
   Instance instance = tsplib ? parse_tsplib(name, text) : parse_table(name, text);
+  check_magnitudes(name, instance);
   if (instance.name.empty()) instance.name = std::filesystem::path(name).stem().string();
   if (depot < 0 || depot >= instance.city_count()) {
     throw InputError(fmt::format("{}: there is no city {} to be the depot; give --depot 0 to {}",

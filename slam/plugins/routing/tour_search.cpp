@@ -6,10 +6,19 @@
 namespace imslam::routing {
 namespace {
 
-constexpr double kLeastGain = 1e-7;  ///< more than what rounding could take back and forth
-constexpr int kLongestSegment = 3;   ///< of Or-opt
-constexpr int kLongestKick = 30;     ///< places in each segment of the double bridge
+/// More than what rounding could take back and forth, of distances about 1.
+constexpr double kLeastGain = 1e-7;
+constexpr int kLongestSegment = 3;  ///< of Or-opt
+constexpr int kLongestKick = 30;    ///< places in each segment of the double bridge
 constexpr int kBetweenClockLooks = 16;
+
+double farthest(const Distances& distances, const std::vector<std::int32_t>& places) {
+  double most = 0.0;
+  for (const std::int32_t place : places) {
+    most = std::max<double>(most, distances(places.front(), place));
+  }
+  return most;
+}
 
 }  // namespace
 
@@ -19,7 +28,8 @@ TourSearch::TourSearch(const Distances& distances,
     : distances_(distances),
       near_(near),
       tour_(std::move(order)),
-      queued_(static_cast<std::size_t>(tour_.count()), 0) {}
+      queued_(static_cast<std::size_t>(tour_.count()), 0),
+      least_gain_(kLeastGain * std::max(1.0, 0.5 * farthest(distances, tour_.order()))) {}
 
 double TourSearch::length() const {
   double length = 0.0;
@@ -70,11 +80,11 @@ bool TourSearch::exchange(int a, bool onward) {
   const double leaves = distances_(a, b);
   for (const int c : near_.of(a)) {
     const double gain = leaves - distances_(a, c);
-    if (gain <= kLeastGain) return false;
+    if (!(gain > least_gain_)) return false;
     const int d = next(c, onward);
     if (c == b || d == a) continue;
     const double gained = gain + distances_(c, d) - distances_(b, d);
-    if (gained <= kLeastGain) continue;
+    if (!(gained > least_gain_)) continue;
     tour_.exchange(a, b, c, d);
     gained_ += gained;
     look_again({a, b, c, d});
@@ -104,14 +114,14 @@ bool TourSearch::place_segment(int first, int last, double gain, bool onward) {
   const int length = onward ? tour_.steps(first, last) : tour_.steps(last, first);
   for (const int c : near_.of(first)) {
     const double left = gain - distances_(first, c);
-    if (left <= kLeastGain) return false;
+    if (!(left > least_gain_)) return false;
     const int offset = onward ? tour_.steps(first, c) : tour_.steps(c, first);
     if (offset <= length) continue;  // within the segment
     for (const bool same : {true, false}) {
       const int e = next(c, same == onward);
       if (e == first || e == last) continue;
       const double gained = left + distances_(c, e) - distances_(last, e);
-      if (gained <= kLeastGain) continue;
+      if (!(gained > least_gain_)) continue;
       const int low = same ? c : e;  // the gap in the direction of the segment
       const int high = same ? e : c;
       tour_.swap_segments(before, first, last, after, low, high);
@@ -130,19 +140,19 @@ bool TourSearch::swap_segments(int b, bool onward) {
   const double leaves = way(a, b, onward);
   for (const int e : near_.of(b)) {
     const double first = leaves - way(e, b, onward);
-    if (first <= kLeastGain) return false;
+    if (!(first > least_gain_)) return false;
     const int f = next(e, onward);
     if (e == a) continue;
     const double second = first + way(e, f, onward);
     for (const int c : near_.of(f)) {
       const double third = second - way(c, f, onward);
-      if (third <= kLeastGain) break;
+      if (!(third > least_gain_)) break;
       const int span = onward ? tour_.steps(b, e) : tour_.steps(e, b);
       const int at = onward ? tour_.steps(b, c) : tour_.steps(c, b);
       if (at >= span) continue;  // c lies between b and e
       const int d = next(c, onward);
       const double gained = third + way(c, d, onward) - way(a, d, onward);
-      if (gained <= kLeastGain) continue;
+      if (!(gained > least_gain_)) continue;
       tour_.swap_segments(a, b, c, d, e, f);
       gained_ += gained;
       look_again({a, b, c, d, e, f});
@@ -174,7 +184,7 @@ std::int64_t TourSearch::disturb(const StopRule& stop, Random& random) {
   while (done % kBetweenClockLooks != 0 || stop.progress(done) < 1.0) {
     kick(random);
     work_off();
-    if (gained_ < -kLeastGain) {
+    if (gained_ < -least_gain_) {
       tour_.go_back();
     } else {
       tour_.forget();

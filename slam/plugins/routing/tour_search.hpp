@@ -52,6 +52,7 @@ class TourSearch {
   std::vector<std::int32_t> queue_;  ///< to be looked at
   std::vector<char> queued_;
   double gained_ = 0.0;  ///< since the last kick
+  double least_gain_;
 };
 
 }  // namespace imslam::routing

@@ -54,13 +54,27 @@ TEST(MapBuilder, LooksThroughTheCameraWhereItSitsOnTheBody) {
   R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   const auto R_body_left = lie::SO3d::from_matrix(R);
   const testing::TempDir dir;
-  map.write_pcd(dir.path() / "map.pcd", two_poses(), {R_body_left, {0.0, 0.3, 0.1}}, 0.1);
+  map.write_pcd(dir.path() / "map.pcd", two_poses(), {lie::SE3d(R_body_left, {0.0, 0.3, 0.1})},
+                0.1);
   pcl::PointCloud<pcl::PointXYZI> cloud;
   ASSERT_EQ(pcl::io::loadPCDFile((dir.path() / "map.pcd").string(), cloud), 0);
   ASSERT_EQ(cloud.size(), 1U);
   EXPECT_NEAR(cloud[0].x, 12.0F, 1e-5F);
   EXPECT_NEAR(cloud[0].y, 0.3F, 1e-5F);
   EXPECT_NEAR(cloud[0].z, 0.1F, 1e-5F);
+}
+
+TEST(MapBuilder, DisparitiesLoseTheirOffset) {
+  MapBuilder map;
+  map.add({{0.4F, 0.2F, 2.0F}, 0, 7});  // 20 px, of which 4 are wrong
+  const testing::TempDir dir;
+  map.write_pcd(dir.path() / "map.pcd", two_poses(), {{}, 40.0, 4.0}, 0.1);
+  pcl::PointCloud<pcl::PointXYZI> cloud;
+  ASSERT_EQ(pcl::io::loadPCDFile((dir.path() / "map.pcd").string(), cloud), 0);
+  ASSERT_EQ(cloud.size(), 1U);
+  EXPECT_NEAR(cloud[0].x, 0.5F, 1e-5F);
+  EXPECT_NEAR(cloud[0].y, 0.25F, 1e-5F);
+  EXPECT_NEAR(cloud[0].z, 2.5F, 1e-5F);
 }
 
 TEST(MapBuilder, AFolderThatIsNotThereIsAnOutputError) {
