@@ -106,7 +106,6 @@ void check_recording(const std::filesystem::path& folder,
                      Findings& findings) {
   Recording recording = read_recording(folder, options.format);
   const std::string calibration_file = recording.calibration_file;
-  const auto truth_fault = recording.truth_fault;
   findings.about(recording.root.string());
   check_pairing(recording, findings);
   check_images(recording, options, findings);
@@ -119,9 +118,9 @@ void check_recording(const std::filesystem::path& folder,
     }
     return std::string();
   }();
+  if (recording.truth_fault) findings.fail(*recording.truth_fault);
   const auto sequence = make_sequence(std::move(recording));
   findings.info("format " + sequence->format() + ", sequence " + sequence->name());
-  if (truth_fault) findings.fail(*truth_fault);
   check_timing(*sequence, imu_file, findings);
   if (sequence->imu()) check_imu_values(*sequence->imu(), imu_file, findings);
   findings.about(calibration_file);
@@ -181,7 +180,7 @@ std::vector<Finding> check_sequence(const std::filesystem::path& given,
                                     const CheckOptions& options) {
   options.validate();
   // Readers name files by their whole path: so that the same finding has the same name.
-  const auto folder = std::filesystem::absolute(given).lexically_normal();
+  const auto folder = given.empty() ? given : std::filesystem::absolute(given).lexically_normal();
   Findings findings;
   try {
     check_files(folder, findings);

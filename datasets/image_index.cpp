@@ -109,8 +109,6 @@ std::vector<ImageEntry> list_stamped_images(const std::filesystem::path& folder)
     throw InputError(folder.string() +
                      ": no images named by their stamp in nanoseconds; add an index file");
   }
-  std::sort(entries.begin(), entries.end(),
-            [](const ImageEntry& a, const ImageEntry& b) { return a.time_ns < b.time_ns; });
   return clean_images(std::move(entries), folder.string());
 }
 

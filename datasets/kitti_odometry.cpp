@@ -112,14 +112,19 @@ fs::path truth_beside(const fs::path& folder) {
 
 void read_truth(const fs::path& folder, Recording& recording) {
   fs::path file = truth_beside(folder);
+  std::error_code ignored;  // reading it says what is wrong with it
   // A link to a sequence stands elsewhere than the sequence.
-  if (!fs::exists(file)) file = truth_beside(fs::canonical(folder));
-  if (!fs::exists(file)) return;
+  if (fs::symlink_status(file, ignored).type() == fs::file_type::not_found) {
+    file = truth_beside(fs::canonical(folder));
+  }
+  if (fs::symlink_status(file, ignored).type() == fs::file_type::not_found) return;
   read_truth_file(file, "left", recording);
   if (!recording.truth) return;
   if (recording.truth->size() != recording.frames.size()) {
-    log::warn("{}: {} poses for {} images; the truth is not used", file.string(),
-              recording.truth->size(), recording.frames.size());
+    recording.truth_fault.emplace(fmt::format("{}: {} poses for {} images; give one pose per image",
+                                              file.string(), recording.truth->size(),
+                                              recording.frames.size()));
+    log::warn("{}; the truth is not used", recording.truth_fault->what());
     recording.truth.reset();
     return;
   }

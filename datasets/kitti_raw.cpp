@@ -124,6 +124,7 @@ void read_imu_and_truth(const DriveRange& drive, Recording& recording) {
   for (const FramePair& frame : recording.frames) times.push_back(frame.time_ns);
   recording.truth = oxts_path(packets, times);
   recording.truth->source = oxts.string();
+  if (recording.truth->size() == 0) recording.truth.reset();
   recording.input_files.push_back(oxts / "timestamps.txt");
 
   StereoCamera camera = recording.rectifier.camera();

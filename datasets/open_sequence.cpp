@@ -64,6 +64,7 @@ const Format& format_of(const std::filesystem::path& folder) {
 
 /// "sequences/00/" and "." end in the name of a folder as well: readers look at it and beside it.
 std::filesystem::path named_folder(const std::filesystem::path& given) {
+  if (given.empty()) return given;
   return std::filesystem::absolute(given / ".").lexically_normal().parent_path();
 }
 

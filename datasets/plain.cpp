@@ -174,7 +174,8 @@ Recording read_plain(const fs::path& folder) {
     std::swap(recording.left_folder, recording.right_folder);
     for (FramePair& frame : recording.frames) std::swap(frame.left, frame.right);
   }
-  if (fs::exists(folder / "truth.tum")) {
+  std::error_code ignored;  // reading it says what is wrong with it
+  if (fs::symlink_status(folder / "truth.tum", ignored).type() != fs::file_type::not_found) {
     read_truth_file(folder / "truth.tum", "body", recording);
   }
   for (const char* name : {"times.txt", "imu.csv"}) {

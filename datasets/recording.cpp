@@ -147,13 +147,14 @@ std::unique_ptr<Sequence> make_sequence(Recording recording) {
 void read_truth_file(const std::filesystem::path& file,
                      const std::string& frame,
                      Recording& recording) {
-  recording.input_files.push_back(file);
   try {
-    if (!std::filesystem::is_regular_file(file)) {
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) {
       throw InputError(file.string() + ": not a regular file; put the trajectory itself there");
     }
     recording.truth = read_trajectory(file);
     recording.truth->frame = frame;
+    recording.input_files.push_back(file);
   } catch (const InputError& error) {
     log::warn("{}; the truth is not used", error.what());
     recording.truth_fault.emplace(error.what(), ExitCode::kData);

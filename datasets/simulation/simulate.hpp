@@ -34,7 +34,7 @@ using SimulationProgress = std::function<void(std::size_t done, std::size_t tota
 /// Both truth formats can be read with OpenCV's IMREAD_UNCHANGED. Memory does not grow with the
 /// length, apart from the motion's 10 control poses per second.
 /// Throws InputError: kUsage for bad options, kOutput where the folder is not empty (without
-/// options.force) or cannot be written.
+/// options.force and an earlier simulation in it) or cannot be written.
 SimulationSummary simulate(const SimulationOptions& options,
                            const std::filesystem::path& out,
                            const SimulationProgress& progress = {});

@@ -1,5 +1,8 @@
 #include "slam/adaptation/finetune.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <string>
 
 #include "slam/adaptation/device_agreement.hpp"
@@ -148,6 +151,21 @@ std::vector<fs::path> write_result(AdaptationTraining& training,
   return training.networks().write(outcome.weights, request.folder / kWeights, card);
 }
 
+/// Without frames to judge by nothing could be told from a gain.
+void expect_held_out_frames(const EpochRequest& request) {
+  if (!request.options.guard) return;
+  const std::size_t last =
+      request.run.last_frame == 0 ? request.sequence.frame_count() : request.run.last_frame;
+  const std::size_t count = last - std::min(last, request.run.first_frame);
+  for (std::size_t frame = 0; frame < count; ++frame) {
+    if (is_held_out(frame, request.options)) return;
+  }
+  throw InputError(
+      fmt::format("{}: {} frames are too few to hold any out; take more, or hold out "
+                  "shorter stretches: --set finetune.stretch={}",
+                  request.name(), count, std::max<std::size_t>(1, count / 10)));
+}
+
 }  // namespace
 
 std::string sequence_sha256(const datasets::Sequence& sequence) {
@@ -184,6 +202,7 @@ FinetuneOutcome finetune(const std::vector<EpochRequest>& sequences,
                          learner::TrainingRequest request,
                          ProcessGroup& group,
                          const TakeRun& take_run) {
+  for (const EpochRequest& sequence : sequences) expect_held_out_frames(sequence);
   AdaptationTraining training(sequences, data_sha256(sequences), group);
   request.start = request.folder / kBefore;
   take_part(group, request);

@@ -87,6 +87,12 @@ vo::PoseHeadTruth<float> head_truth(const lie::SE3d& T_body0_body1, const Stereo
   return truth;
 }
 
+/// Of a motion before the network for the noise has a say; see VisualOdometry.
+Eigen::Matrix<double, 6, 6> bare_covariance(const MotionTrace& trace, const VisualClass& of) {
+  const double shared = of.vo.head == "geometric" ? of.vo.shared_error : 0.0;
+  return trace.pose.covariance * (1.0 + shared * static_cast<double>(trace.pose.inliers));
+}
+
 /// Matches that do not learn, pose head, scale, graph.
 Var head_lesson(nn::Tape<float>& tape,
                 const MotionTrace& trace,
@@ -124,6 +130,7 @@ Var visual_lesson(nn::Tape<float>& tape,
   if (!noise) return nothing;
   usable = true;
   RelativeMotion motion = of.teacher.graph().visual_edges()[*edge].motion;
+  motion.covariance = bare_covariance(trace, of);  // the graph's has the factors of now in it
   return scale(tape, noise_cost(tape, motion, noise, of.teacher.cost_of(*edge)),
                of.options.graph_weight / kDimensions);
 }

@@ -71,6 +71,18 @@ TEST(CommandLine, AnUnknownKeyNamesTheNearest) {
   EXPECT_TRUE(contains(result.err, "did you mean")) << result.err;
 }
 
+TEST(CommandLine, LinksInACircleAndNamesThatAreTooLongHaveTheCodeOfTheirUse) {
+  const TempDir dir;
+  std::filesystem::create_symlink("loop", dir.path() / "loop");
+  for (const std::string& name : {std::string("loop"), std::string(300, 'x')}) {
+    const std::string word = testing::quoted((dir.path() / name).string());
+    EXPECT_EQ(run_imslam(dir, "config validate --config " + word).exit_code, 2) << name;
+    EXPECT_EQ(run_imslam(dir, "check " + word).exit_code, 3) << name;
+    EXPECT_EQ(run_imslam(dir, "eval " + word + " " + word).exit_code, 3) << name;
+    EXPECT_EQ(run_imslam(dir, "--log-file " + word + " config dump").exit_code, 6) << name;
+  }
+}
+
 TEST(CommandLine, AConfigFileErrorNamesTheLine) {
   const TempDir dir;
   const auto file = dir.write("bad.yaml", "pgo:\n  no_such_key: 1\n");

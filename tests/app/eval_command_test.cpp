@@ -77,7 +77,7 @@ TEST_F(EvalCommand, RpeTakesDeltaUnitAndAllPairs) {
   const auto metres = eval("--metric rpe --delta 1 --unit meters --relation rotation_angle_deg");
   EXPECT_TRUE(contains(metres.out,
                        "RPE w.r.t. rotation angle in degrees (deg)\n"
-                       "for delta = 1 (m) using consecutive pairs\n(not aligned)\n\n"
+                       "for delta = 1.0 (m) using consecutive pairs\n(not aligned)\n\n"
                        "       max\t0.000000\n"))
       << metres.out;
 }
@@ -104,6 +104,34 @@ TEST_F(EvalCommand, WritesCsvLatexAndZipAndNeverOverwritesUnasked) {
   EXPECT_EQ(again.exit_code, 6);
   EXPECT_TRUE(contains(again.err, "exists already"));
   EXPECT_EQ(eval(arguments + " --force").exit_code, 0);
+}
+
+TEST_F(EvalCommand, ATableWithANameThatIsTooLongIsAnOutputError) {
+  const auto result = eval("--csv " + quoted((dir_.path() / std::string(300, 'x')).string()));
+  EXPECT_EQ(result.exit_code, 6) << result.err;
+}
+
+TEST_F(EvalCommand, APipeIsReadOnceAndHasNoSha256) {
+  const auto result =
+      run_imslam(dir_, "eval /dev/fd/3 " + quoted(estimate_.string()) + " --metric ape --json 3<&0",
+                 "cat " + quoted(reference_.string()) + " |");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const json object = json::parse(result.out);
+  EXPECT_EQ(object.at("pairs"), 300);
+  EXPECT_TRUE(object.at("reference").at("sha256").is_null());
+  EXPECT_EQ(object.at("estimate").at("sha256").get<std::string>().size(), 64U);
+}
+
+TEST_F(EvalCommand, TakesNamesThatAreNotUtf8) {
+  estimate_ = dir_.write("caf\xE9.tum", tum_text(0.01));
+  const auto zip = dir_.path() / "r.zip";
+  const auto figure = eval("--metric ape --json --save-zip " + quoted(zip.string()));
+  ASSERT_EQ(figure.exit_code, 0) << figure.err;
+  EXPECT_EQ(json::parse(figure.out).at("pairs"), 300);
+  EXPECT_EQ(testing::slurp(zip).substr(0, 2), "PK");
+  const auto all = eval("--json");
+  ASSERT_EQ(all.exit_code, 0) << all.err;
+  EXPECT_TRUE(json::parse(all.out).is_object());
 }
 
 TEST_F(EvalCommand, TheWholeTableGoesIntoCsvAndLatex) {

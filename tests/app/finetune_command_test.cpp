@@ -153,6 +153,37 @@ TEST(FinetuneCommand, ForcedItHandsTheBestEpochBack) {
   }
 }
 
+TEST(FinetuneCommand, NamesTheKeyThatIsOutOfBounds) {
+  const TempDir dir;
+  const auto result = finetune(dir, ".", "--set finetune.rate=2");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_NE(result.err.find("finetune.rate"), std::string::npos) << result.err;
+}
+
+TEST(FinetuneCommand, ResultsThatNoTrainingGoesWithStayUnlessTheyMayGo) {
+  const TempDir dir;
+  const auto mine = dir.write("tuned/adapted/trajectory.tum", "mine");
+  const auto result = finetune(dir, ".");
+  EXPECT_EQ(result.exit_code, 6) << result.err;
+  EXPECT_NE(result.err.find("--overwrite throws it away"), std::string::npos) << result.err;
+  EXPECT_EQ(slurp(mine), "mine");
+  EXPECT_EQ(finetune(dir, ".", "--resume").exit_code, 6);  // there is nothing to go on with
+  EXPECT_EQ(slurp(mine), "mine");
+}
+
+TEST(FinetuneCommand, DoesNotWriteWhereTheGivenWeightsLie) {
+  const TempDir dir;
+  const fs::path shipped = "imu_net/weights/imu_network.safetensors";
+  const fs::path given = dir.write("tuned/weights/imu_network.safetensors", slurp(shipped));
+  for (const char* more : {"", " --overwrite"}) {
+    const auto result =
+        finetune(dir, ".", "--set imu_network.weights=" + quoted(given.string()) + more);
+    EXPECT_EQ(result.exit_code, 2) << result.err;
+    EXPECT_NE(result.err.find("lies in --out"), std::string::npos) << result.err;
+  }
+  EXPECT_EQ(slurp(given), slurp(shipped));
+}
+
 TEST(FinetuneCommand, RefusesWhatItCannotUse) {
   const TempDir dir;
   const std::string sequence = quoted(testing::simulated_base().sequence.string());

@@ -19,12 +19,13 @@ class FinetuneSuite : public ::testing::Test {
  protected:
   FinetuneSuite() { write_suite("euroc"); }
 
+  static std::string place(std::size_t recording) {
+    const auto& base = testing::simulated_base();
+    return fs::absolute(base.recordings.at(recording).sequence).lexically_normal().string();
+  }
+
   /// Three recordings: two of the base's world, one of another.
   void write_suite(const std::string& metric) {
-    const auto place = [](std::size_t i) {
-      const auto& base = testing::simulated_base();
-      return fs::absolute(base.recordings.at(i).sequence).lexically_normal().string();
-    };
     dir_.write("suite.yaml", "name: Three\nmetric: " + metric + "\nroot: /\nsequences:\n" +
                                  "  - {name: first, path: " + place(0) + "}\n" +
                                  "  - {name: second, path: " + place(1) + "}\n" +
@@ -76,6 +77,15 @@ TEST_F(FinetuneSuite, ProcessesChangeNoByte) {
   const auto two = finetune("two", "--jobs 2");
   ASSERT_EQ(two.exit_code, 0) << two.err;
   expect_same("one", "two");
+}
+
+TEST_F(FinetuneSuite, MoreProcessesThanSequencesHaveNothingToDo) {
+  dir_.write(
+      "suite.yaml",
+      "name: One\nmetric: euroc\nroot: /\nsequences:\n  - {name: first, path: " + place(0) + "}\n");
+  const auto result = finetune("one", "--jobs 2");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(finetune_metrics(tuned("one")).at("sequences").size(), 1U);
 }
 
 TEST_F(FinetuneSuite, KilledInSeveralProcessesItEndsInTheSameBytes) {

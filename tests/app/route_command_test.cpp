@@ -65,6 +65,18 @@ TEST_F(RouteCommand, ComparesMethods) {
   EXPECT_NE(slurp(path("bench.csv")).find("3,30,search 0.05 s,"), std::string::npos);
 }
 
+// Of whatever number of agents: a name mistyped must not cost the row in silence.
+TEST_F(RouteCommand, WeightsToCompareMustBeThere) {
+  for (const std::string& weights : {"RL=" + path("none_3.safetensors"),
+                                     "RL=" + path("none_7.safetensors"), std::string("RL")}) {
+    const CommandResult result =
+        route("bench --agents 3 --cities 20 --instances 1 --time 0.01 --weights " +
+              quoted(weights));
+    EXPECT_EQ(result.exit_code, 5) << weights;
+    EXPECT_NE(result.err.find("--weights " + weights), std::string::npos) << result.err;
+  }
+}
+
 TEST_F(RouteCommand, SaysWhatIsWrong) {
   EXPECT_EQ(route("solve --agents 2").exit_code, 2);
   EXPECT_EQ(route("solve --random 10").exit_code, 2);  // no agents
@@ -75,6 +87,8 @@ TEST_F(RouteCommand, SaysWhatIsWrong) {
   const CommandResult bad = route("solve " + quoted(path("bad.csv")) + " --agents 2");
   EXPECT_EQ(bad.exit_code, 3);
   EXPECT_NE(bad.err.find("bad.csv:2: a number is not finite"), std::string::npos);
+  write("far.csv", "0,0\n1e39,1\n0,1\n");
+  EXPECT_EQ(route("solve " + quoted(path("far.csv")) + " --agents 2").exit_code, 3);
   EXPECT_EQ(route("train --estimator guess").exit_code, 2);
   EXPECT_EQ(route("bench --cities x").exit_code, 2);
 }

@@ -189,6 +189,44 @@ TEST_F(CheckTiny, SeesStampsInOtherUnits) {
   }
 }
 
+TEST_F(CheckTiny, SeesStampsOfFramesInMilliseconds) {
+  std::string times;
+  for (int i = 0; i < world_.frames; ++i) times += std::to_string(50 * i) + "\n";
+  write_text(sequence_ / "times.txt", times);
+  expect_finding(check_without_vision(), Severity::kError, "advance by 50 s");
+}
+
+TEST_F(CheckTiny, ListsAFlawOfTheTruthByFileAndLine) {
+  const std::string pose = "1 0 0 0 0 1 0 0 0 0 1 0\n";
+  const std::pair<std::string, std::string> cases[] = {
+      {pose + "1 0 0 nan 0 1 0 0 0 0 1 0\n", "00.txt:2: column 4: nan is not a pose"},
+      {pose + "1 0 0 0 0 1", "00.txt:2: expected 12 columns"},
+      {"# no pose\n", "00.txt: holds no poses"}};
+  for (const auto& [text, words] : cases) {
+    write_text(dir_.path() / "poses" / "00.txt", text);
+    const auto findings = check_without_vision();
+    expect_finding(findings, Severity::kError, words);
+    EXPECT_EQ(count(findings, Severity::kError), 1U) << text_of(findings);
+    EXPECT_NE(find(findings, "IMU samples in"), nullptr) << text_of(findings);  // and goes on
+  }
+}
+
+TEST_F(CheckTiny, ListsAnErrorOnceWhereThePathIsRelative) {
+  const auto check_relative = [&] {
+    CheckOptions options;
+    options.vision_frames = 0;
+    return check_sequence(fs::relative(sequence_), options);
+  };
+  fs::remove(sequence_ / "imu.csv");
+  fs::create_directory(sequence_ / "imu.csv");  // about no line
+  auto findings = check_relative();
+  EXPECT_EQ(count(findings, Severity::kError), 1U) << text_of(findings);
+  replace("times.txt", "1.000000e-01", "abc");
+  findings = check_relative();
+  EXPECT_EQ(count(findings, Severity::kError), 2U) << text_of(findings);
+  expect_finding(findings, Severity::kError, "expected one stamp in seconds", 3);
+}
+
 TEST_F(CheckTiny, SeesTheClockJump) {
   for (const double jump_s : {3600.0, -3600.0}) {
     std::vector<ImuSample> samples = world_.imu();
@@ -293,6 +331,14 @@ TEST(CheckSequence, TurnsWhateverStopsItIntoAFinding) {
   const auto findings = check_sequence(sequence);
   expect_finding(findings, Severity::kError, "calib.txt:1: expected 12 numbers", 1);
   EXPECT_EQ(find(findings, "calib.txt")->code, ExitCode::kCalibration);
+}
+
+TEST(CheckSequence, FindsLinksInACircleAndNamesThatAreTooLong) {
+  const TempDir dir;
+  fs::create_directory_symlink("loop", dir.path() / "loop");
+  for (const std::string& name : {std::string("loop"), std::string(300, 'x')}) {
+    expect_finding(check_sequence(dir.path() / name), Severity::kError, "cannot be read");
+  }
 }
 
 TEST(CheckOptions, NameTheBoundThatIsBroken) {

@@ -239,6 +239,27 @@ TEST_F(TinyEuroc, ReadsTumViWithItsKalibrFile) {
   EXPECT_EQ(sequence->imu()->noise.gyro_noise_density, 0.00016);
   EXPECT_EQ(sequence->truth()->size(), 6U);
   EXPECT_TRUE(sequence->read_frame(3).complete());
+  EXPECT_NEAR(open_sequence(mav0() / "")->camera().baseline_m, world_.baseline_m, 1e-12);
+}
+
+TEST(FrameInterval, OfMicrosecondsOrBareNumbersIsRefused) {
+  for (const double frames_per_second : {20e3, 1e9}) {  // 50000, 1 between two stamps
+    const TempDir dir;
+    TinyWorld world = small_world();
+    world.start_ns = 0;
+    world.frame_rate = frames_per_second;
+    write_tiny_euroc(dir.path(), world);
+    expect_input_error([&] { open_sequence(dir.path()); }, ExitCode::kData,
+                       {"the stamps of frames advance by", "another unit"});
+  }
+}
+
+TEST(FrameInterval, OfAFastCameraIsFine) {
+  const TempDir dir;
+  TinyWorld world = small_world();
+  world.frame_rate = 1000.0;
+  write_tiny_euroc(dir.path(), world);
+  EXPECT_EQ(open_sequence(dir.path())->frame_count(), 6U);
 }
 
 TEST(EurocExcerpt, IsReadCompletely) {

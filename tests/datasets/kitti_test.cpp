@@ -47,6 +47,9 @@ TEST(ParseSeconds, IsExactForDecimalsAndRefusesTheRest) {
   EXPECT_EQ(parse_seconds("1e300"), std::nullopt);
   EXPECT_EQ(parse_seconds("nan"), std::nullopt);
   EXPECT_EQ(parse_seconds("1.0x"), std::nullopt);
+  EXPECT_EQ(parse_seconds("9999999999"), std::nullopt);  // would overflow as nanoseconds
+  EXPECT_EQ(parse_seconds("9999999999.05"), std::nullopt);
+  EXPECT_EQ(parse_seconds("-9999999999"), std::nullopt);
   EXPECT_EQ(parse_seconds(""), std::nullopt);
 }
 
@@ -71,12 +74,25 @@ class TinyKitti : public ::testing::Test {
 };
 
 TEST_F(TinyKitti, OpensFromTheSequenceAndFromARootWithOneSequence) {
-  for (const fs::path& folder : {sequence_, dir_.path(), sequence_ / ""}) {
+  for (const fs::path& folder : {sequence_, dir_.path(), sequence_ / "", sequence_ / "."}) {
     const auto sequence = open_sequence(folder);
     EXPECT_EQ(sequence->format(), "kitti_odometry");
     EXPECT_EQ(sequence->name(), "00");
     EXPECT_EQ(sequence->frame_count(), 6U);
+    EXPECT_TRUE(sequence->truth()) << folder;
   }
+}
+
+TEST_F(TinyKitti, FindsTheTruthBesideTheFolderThatALinkLeadsTo) {
+  fs::create_directory_symlink(sequence_, dir_.path() / "drive");
+  const auto sequence = open_sequence(dir_.path() / "drive");
+  ASSERT_TRUE(sequence->truth());
+  EXPECT_EQ(sequence->truth()->size(), 6U);
+}
+
+TEST_F(TinyKitti, RefusesTimesInMilliseconds) {
+  write_text(sequence_ / "times.txt", "0\n100\n200\n300\n400\n500\n");
+  expect_input_error([&] { open(); }, ExitCode::kData, {"advance by 100 s", "another unit"});
 }
 
 TEST_F(TinyKitti, RefusesToChooseAmongSeveralSequences) {
@@ -202,6 +218,15 @@ std::string oxts_packet(const TinyWorld& world, double t) {
                      a.y(), a.z(), w.x(), w.y(), w.z());
 }
 
+/// Stamps of the drive's images long after its packets.
+void move_images_away(const fs::path& sync, const TinyWorld& world) {
+  std::string stamps;
+  for (int i = 0; i < world.frames; ++i) {
+    stamps += date_time(kRawStart + to_nanoseconds(1200.0 + i / world.frame_rate));
+  }
+  write_text(sync / "image_00" / "timestamps.txt", stamps);
+}
+
 /// A raw drive of the tiny world with `frames` images; unsorted packets and an empty stamp line.
 void write_tiny_raw(const fs::path& root,
                     const TinyWorld& world,
@@ -269,7 +294,7 @@ TEST(KittiRaw, OpensTheFramesOfAnOdometrySequenceByItsNumber) {
   const TempDir dir;
   const TinyWorld world = small_world();
   write_tiny_raw(dir.path(), world, "2011_09_30_drive_0028", 1100);
-  const auto sequence = open_sequence(dir.path() / "08");
+  const auto sequence = open_sequence(dir.path() / "08" / "");
   EXPECT_EQ(sequence->name(), "08");
   ASSERT_EQ(sequence->frame_count(), 6U);
   EXPECT_EQ(sequence->frame_time_ns(0), kRawStart + to_nanoseconds(0.5 + 110.0));
@@ -278,6 +303,20 @@ TEST(KittiRaw, OpensTheFramesOfAnOdometrySequenceByItsNumber) {
                      {"03", "not published"});
   expect_input_error([&] { open_sequence(dir.path() / "00"); }, ExitCode::kData,
                      {"2011_10_03_drive_0027_sync", "not here"});
+}
+
+TEST(KittiRaw, PacketsOfAnotherTimeThanTheImagesAreNoImu) {
+  const TempDir dir;
+  const TinyWorld world = small_world();
+  const fs::path folder = write_tiny_kitti(dir.path() / "dataset", world, "04");
+  fs::remove(folder / "imu.csv");
+  const fs::path raw = dir.path() / "dataset" / "raw";
+  write_tiny_raw(raw, world, "2011_09_30_drive_0016");
+  EXPECT_TRUE(open_sequence(folder)->imu());
+  const fs::path sync = raw / "2011_09_30" / "2011_09_30_drive_0016_sync";
+  move_images_away(sync, world);
+  EXPECT_FALSE(open_sequence(sync)->imu());
+  EXPECT_FALSE(open_sequence(folder)->imu());
 }
 
 TEST(KittiRaw, SuppliesTheImuOfAnOdometrySequence) {

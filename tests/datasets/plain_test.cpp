@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 
 #include "datasets/frame_reader.hpp"
+#include "datasets/image_index.hpp"
 #include "datasets/open_sequence.hpp"
 #include "slam/base/file.hpp"
 #include "tests/datasets/expect_error.hpp"
@@ -130,6 +131,32 @@ TEST_F(Plain, SaysWhatIsMissing) {
              "  baseline: -0.12\n");
   expect_input_error([&] { open_sequence(folder()); }, ExitCode::kCalibration,
                      {"calib.yaml:4", "baseline"});
+}
+
+TEST_F(Plain, OpensWithoutATruthThatHasAFlaw) {
+  const std::string pose = "1000 0 0 0 0 0 0 1\n";
+  for (const std::string& text : {pose + "1000.05 0 nan 0 0 0 0 1\n", pose + "1000.05 0 0",
+                                  std::string("# time_s tx ty tz qx qy qz qw\n")}) {
+    write_text(folder() / "truth.tum", text);
+    const auto sequence = open_sequence(folder());
+    EXPECT_EQ(sequence->frame_count(), 5U);
+    EXPECT_FALSE(sequence->truth()) << text;
+  }
+}
+
+TEST_F(Plain, DoesNotWaitForATruthThatIsAPipe) {
+  fs::remove(folder() / "truth.tum");
+  ASSERT_EQ(::mkfifo((folder() / "truth.tum").c_str(), 0600), 0);
+  EXPECT_FALSE(open_sequence(folder())->truth());
+}
+
+TEST(ListStampedImages, GivesOneImageForEachStamp) {
+  const TempDir dir;
+  for (const char* name : {"5.png", "5.jpg", "7.png"}) dir.write(name, "");
+  const auto images = list_stamped_images(dir.path());
+  ASSERT_EQ(images.size(), 2U);
+  EXPECT_EQ(images[0].time_ns, 5);
+  EXPECT_EQ(images[1].time_ns, 7);
 }
 
 TEST(OpenSequence, SaysWhatItLookedFor) {

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "pgo/marginalization.hpp"
 #include "pgo/prediction.hpp"
 #include "tests/pgo/synthetic.hpp"
@@ -172,6 +174,29 @@ TEST(SlidingWindow, RefusesEdgesToStatesThatHaveLeft) {
   EXPECT_FALSE(window.add_visual_edge(2, 5, m.visual[2]));
   EXPECT_FALSE(window.add_zero_velocity(0));
   EXPECT_TRUE(window.add_zero_velocity(5));
+}
+
+TEST(SlidingWindow, KeepsTheStateWhereAMeasurementIsToBeginForThreeWindowsAtMost) {
+  const Measurements m = measure(1.0);
+  WindowOptions options;
+  options.states = 4;
+  SlidingWindow window(first_state_only(m), options);
+  const auto add = [&](int to) {
+    window.add_state(m.truth[static_cast<std::size_t>(to)]);
+    add_edges(window, m, to);
+  };
+  for (int to = 1; to <= 13; ++to) {
+    add(to);
+    window.update(2);
+    EXPECT_EQ(window.first(), std::clamp(to - 3, 0, 2)) << to;
+  }
+  EXPECT_TRUE(window.add_visual_edge(2, 13, testing::exact_visual_motion(m.truth[2], m.truth[13])));
+  add(14);
+  window.update(2);
+  EXPECT_EQ(window.first(), 3);  // three windows of four are full
+  add(15);
+  window.update();
+  EXPECT_EQ(window.first(), 12);
 }
 
 }  // namespace

@@ -165,6 +165,37 @@ TEST(KeyframeMap, OffersNoViewYoungerThanTheGapNorOneThatLooksElsewhere) {
   EXPECT_TRUE(map.candidates(pose(0, 0, 0, 0, 1.6, 0), 9'000'000'000).empty());
 }
 
+TEST(KeyframeMap, FindsAViewByItsTime) {
+  KeyframeMap map(LoopOptions(), small_camera());
+  for (const std::int64_t time_ns : {5, 9}) {
+    Keyframe keyframe;
+    keyframe.time_ns = time_ns;
+    map.add(std::move(keyframe));
+  }
+  ASSERT_NE(map.at(9), nullptr);
+  EXPECT_EQ(map.at(9)->time_ns, 9);
+  EXPECT_EQ(map.at(7), nullptr);
+}
+
+TEST(KeyframeMap, EachMoveMakesTheWayFromEveryViewLessSure) {
+  KeyframeMap map(LoopOptions(), small_camera());
+  for (const std::int64_t time_ns : {5, 9}) {
+    Keyframe keyframe;
+    keyframe.time_ns = time_ns;
+    keyframe.covariance(5, 5) = time_ns == 5 ? 1e-4 : 0.0;  // of its heading
+    map.add(std::move(keyframe));
+  }
+  Eigen::Matrix<double, 6, 6> step = Eigen::Matrix<double, 6, 6>::Zero();
+  step.diagonal() << 1e-6, 2e-6, 3e-6, 4e-6, 5e-6, 6e-6;
+  map.move(pose(2.0, 0.0, 0.0, 0.0, 0.0, 0.0), step);
+  EXPECT_EQ(map.at(9)->covariance, step);
+  const auto& turned = map.at(5)->covariance;  // 2 m on, an error of the heading leads sideways
+  EXPECT_NEAR(turned(0, 0), 1e-6, 1e-15);
+  EXPECT_NEAR(turned(1, 1), 2e-6 + 4e-4, 1e-12);
+  EXPECT_NEAR(turned(5, 5), 6e-6 + 1e-4, 1e-12);
+  EXPECT_NEAR(std::abs(turned(1, 5)), 2e-4, 1e-12);
+}
+
 /// Sways in front of the plane for six seconds, with an odometry that drifts.
 std::vector<RelativeMotion> loops_of_a_swaying_camera(double* end_error_rad) {
   const StereoCamera camera = small_camera();
@@ -210,6 +241,98 @@ TEST(LoopCloser, HoldsADriftingOdometryAndIsTheSameForAnyThreadCount) {
     EXPECT_EQ(loops[i].T_body0_body1.matrix(), again[i].T_body0_body1.matrix());
     EXPECT_EQ(loops[i].covariance, again[i].covariance);
   }
+}
+
+/// Stands in front of the plane, turns by steps, and looks for old views every half second.
+class TurningCamera {
+ public:
+  /// Turns to a yaw, 0 at first, by an odometry that states `sigma_rad` per axis and is wrong by
+  /// `error_rad` about each. Returns what is recognised.
+  std::vector<RelativeMotion> look(double yaw, double sigma_rad = 1e-4, double error_rad = 0.0) {
+    const lie::SE3d T_world_left = pose(0.0, 0.0, 0.0, 0.0, yaw, 0.0);
+    VoOutput seen;
+    seen.motion.valid = true;
+    seen.motion.time0_ns = frame_.time_ns;
+    draw(T_world_left, frame_.time_ns + 500'000'000);
+    seen.points = points_;
+    seen.motion.time1_ns = frame_.time_ns;
+    Eigen::Matrix<double, 6, 1> error;
+    error << Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(error_rad);
+    seen.motion.T_body0_body1 =
+        body_motion(T_world_left_.inverse() * T_world_left) * lie::SE3d::exp(error);
+    seen.motion.covariance.diagonal() << Eigen::Vector3d::Constant(1e-8),
+        Eigen::Vector3d::Constant(sigma_rad * sigma_rad);
+    T_world_left_ = T_world_left;
+    return closer_.process(frame_, seen, 0.0);
+  }
+
+  /// Ten seconds without a single motion.
+  void lose_track() {
+    for (int i = 0; i < 10; ++i) {
+      frame_.time_ns += 1'000'000'000;
+      closer_.process(frame_, VoOutput(), 0.0);
+    }
+  }
+
+  std::int64_t now_ns() const { return frame_.time_ns; }
+
+ private:
+  static LoopOptions every_frame() {
+    LoopOptions options;
+    options.every = 1;
+    return options;
+  }
+
+  void draw(const lie::SE3d& T_world_left, std::int64_t time_ns) {
+    const bool same = frame_.complete() && T_world_left.matrix() == T_world_left_.matrix();
+    if (!same) {
+      frame_ = world_.draw(small_camera(), T_world_left, time_ns);
+      points_ = points_of(frame_);
+    }
+    frame_.time_ns = time_ns;
+  }
+
+  PlaneWorld world_{4};
+  LoopCloser closer_{every_frame(), small_vo(), small_camera()};
+  StereoFrame frame_;
+  std::vector<StereoPoint> points_;
+  lie::SE3d T_world_left_;
+};
+
+/// That a motion is a turn by `yaw`, to the bounds of LoopMatch.
+void expect_turn(const RelativeMotion& motion, double yaw) {
+  const lie::SE3d truth = body_motion(pose(0.0, 0.0, 0.0, 0.0, yaw, 0.0));
+  const Eigen::Matrix<double, 6, 1> error = (motion.T_body0_body1.inverse() * truth).log();
+  EXPECT_LT(error.head<3>().norm(), 0.005);
+  EXPECT_LT(error.tail<3>().norm(), 0.002);
+}
+
+TEST(LoopCloser, AfterALongCutViewsThatWereMadeSinceAreFoundAgain) {
+  TurningCamera camera;
+  camera.look(0.0);
+  camera.lose_track();
+  camera.look(0.8);
+  const std::int64_t kept_ns = camera.now_ns();
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(camera.look(0.8).empty()) << "younger than the gap";
+  const auto loops = camera.look(0.83);
+  ASSERT_EQ(loops.size(), 1U);
+  EXPECT_EQ(loops[0].time0_ns, kept_ns);
+  expect_turn(loops[0], 0.03);
+}
+
+// The way between two views is as sure as the odometry's, however often one of them is seen.
+TEST(LoopCloser, AViewSeenAgainAndAgainSaysNothingOfAnother) {
+  TurningCamera camera;
+  camera.look(0.0);
+  const std::int64_t first_ns = camera.now_ns();
+  camera.look(0.8, 0.02 / LoopOptions().drift_factor, 0.018);  // 0.031 rad: 1.6 sigma
+  std::size_t again = 0;
+  for (int i = 0; i < 30; ++i) again += camera.look(0.8).size();
+  EXPECT_GE(again, 20U);
+  const auto loops = camera.look(0.15);
+  ASSERT_FALSE(loops.empty());
+  EXPECT_EQ(loops[0].time0_ns, first_ns);
+  expect_turn(loops[0], 0.15);
 }
 
 TEST(LoopOptions, NamesTheOptionThatIsOutOfBounds) {

@@ -169,11 +169,28 @@ TEST(Simulate, RefusesAFolderThatIsNotEmptyUnlessForced) {
     EXPECT_EQ(error.code(), ExitCode::kOutput);
     EXPECT_NE(std::string(error.what()).find("is not empty"), std::string::npos);
   }
+  dir.write("out/simulation.yaml", "");
   SimulationOptions options = small_options();
   options.force = true;
   simulate(options, dir.path() / "out");
   EXPECT_FALSE(fs::exists(dir.path() / "out/mav0/cam0/data/old.png"));
   EXPECT_TRUE(fs::exists(dir.path() / "out/notes.txt"));
+}
+
+TEST(Simulate, ForceReplacesNothingThatNoSimulationWrote) {
+  const TempDir dir;
+  dir.write("out/mav0/cam0/data/real.png", "precious");
+  const auto before = contents(dir.path());
+  SimulationOptions options = small_options();
+  options.force = true;
+  try {
+    simulate(options, dir.path() / "out");
+    FAIL() << "expected InputError";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.code(), ExitCode::kOutput);
+    EXPECT_NE(std::string(error.what()).find("no earlier simulation"), std::string::npos);
+  }
+  EXPECT_EQ(contents(dir.path()), before);
 }
 
 TEST(Simulate, RefusesAFolderThatCannotBeMade) {

@@ -100,6 +100,19 @@ TEST(ReadFile, FoldersAndMissingFilesAreInputErrors) {
   EXPECT_THROW(read_file(folder.path() / "missing"), InputError);
 }
 
+TEST(ReadFile, LinksInACircleAndNamesThatAreTooLongAreDataErrors) {
+  const testing::TempDir folder;
+  fs::create_symlink("loop", folder.path() / "loop");
+  for (const std::string& name : {std::string("loop"), std::string(300, 'x')}) {
+    try {
+      read_file(folder.path() / name);
+      ADD_FAILURE() << "expected InputError of " << name;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.code(), ExitCode::kData) << error.what();
+    }
+  }
+}
+
 // From FIPS 180-2, appendix B.
 TEST(Sha256, MatchesTheStandard) {
   EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "slam/base/error.hpp"
+#include "slam/evaluation/names.hpp"
 #include "slam/evaluation/rigid_matrix.hpp"
 #include "slam/evaluation/statistics.hpp"
 #include "tests/slam/evaluation/paths.hpp"
@@ -155,6 +156,28 @@ TEST(SelectPairs, OnTheReferenceIfAsked) {
   options.pairs_from_reference = true;
   EXPECT_EQ(relative_errors(reference, estimate, Relation::kTranslationPart, options).errors,
             (std::vector<double>{9.0, 9.0}));
+}
+
+TEST(DeltaText, WritesNumbersAsEvoDoes) {
+  const auto text = [](double delta, DeltaUnit unit) {
+    DeltaOptions options;
+    options.delta = delta;
+    options.unit = unit;
+    return delta_text(options);
+  };
+  EXPECT_EQ(text(10.0, DeltaUnit::kFrames), "delta = 10 (frames)");
+  EXPECT_EQ(text(1.0, DeltaUnit::kMeters), "delta = 1.0 (m)");
+  EXPECT_EQ(text(0.25, DeltaUnit::kRadians), "delta = 0.25 (rad)");
+  EXPECT_EQ(text(20.0, DeltaUnit::kDegrees), "delta = 20.0 (deg)");
+}
+
+TEST(EvoTitle, OfARelativeErrorNamesThePairs) {
+  DeltaOptions options;
+  options.unit = DeltaUnit::kMeters;
+  options.all_pairs = true;
+  EXPECT_EQ(evo_title(Relation::kTranslationPart, {}, &options, "xy"),
+            "RPE w.r.t. translation part (m)\nfor delta = 1.0 (m) using all pairs\n(not aligned)\n"
+            "(projected to xy plane)");
 }
 
 TEST(DeltaOptions, RejectsWhatHasNoMeaning) {

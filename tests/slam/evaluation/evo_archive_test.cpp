@@ -9,6 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "slam/base/error.hpp"
+#include "slam/evaluation/metric.hpp"
+#include "slam/evaluation/rigid_matrix.hpp"
 #include "tests/support/temp_dir.hpp"
 
 namespace imslam::evaluation {
@@ -30,6 +32,25 @@ EvoResult some_result() {
   T(0, 1) = 7.0;
   result.T_alignment = T;
   return result;
+}
+
+/// One pose per second, not turned.
+PosePath path_through(const std::vector<Eigen::Vector3d>& positions) {
+  PosePath path;
+  for (const Eigen::Vector3d& p : positions) {
+    path.stamps_s.push_back(static_cast<double>(path.size()));
+    path.poses.push_back(rigid(Eigen::Matrix3d::Identity(), p));
+  }
+  return path;
+}
+
+EvoResult result_of(const PosePath& reference,
+                    const PosePath& estimate,
+                    const MetricOptions& options) {
+  MatchedPaths matched;
+  matched.reference = reference;
+  matched.estimate = estimate;
+  return evo_result(matched, options, measure(matched, options));
 }
 
 std::map<std::string, std::string> unzip(const std::filesystem::path& file) {
@@ -90,6 +111,15 @@ TEST(EvoArchive, HoldsWhatEvoLooksFor) {
   EXPECT_EQ(entries.count("distances.npy"), 0U);  // not given
 }
 
+TEST(EvoArchive, TakesNamesThatAreNotUtf8) {
+  const TempDir folder;
+  EvoResult result = some_result();
+  result.estimate_name = "caf\xE9.tum";
+  write_evo_archive(folder.path() / "result.zip", result);
+  const auto info = nlohmann::json::parse(unzip(folder.path() / "result.zip").at("info.json"));
+  EXPECT_EQ(info.at("est_name"), "caf\xEF\xBF\xBD.tum");  // U+FFFD
+}
+
 TEST(EvoArchive, IsTheSameForTheSameResult) {
   EXPECT_EQ(evo_archive(some_result()), evo_archive(some_result()));
 }
@@ -128,6 +158,28 @@ TEST(EvoArchive, SaysWhereItCannotBeWritten) {
   } catch (const InputError& error) {
     EXPECT_EQ(error.code(), ExitCode::kOutput);
   }
+}
+
+TEST(EvoResult, OfRelativeErrorsMeasuresFromPairToPair) {
+  const PosePath reference = path_through({{0, 0, 0}, {1, 1, 0}, {2, 0, 0}, {3, 1, 0}, {4, 0, 0}});
+  const PosePath estimate = path_through({{0, 0, 0}, {3, 9, 0}, {6, 0, 0}, {9, 9, 0}, {12, 0, 0}});
+  MetricOptions options;
+  options.relative = true;
+  options.delta.delta = 2;
+  const EvoResult result = result_of(reference, estimate, options);
+  EXPECT_EQ(result.errors, (std::vector<double>{4, 4}));
+  EXPECT_EQ(result.timestamps_s, (std::vector<double>{2, 4}));
+  EXPECT_EQ(result.distances_from_start_m, (std::vector<double>{2, 4}));  // not by the detours
+  EXPECT_EQ(result.distances_m, (std::vector<double>{6, 12}));
+}
+
+TEST(EvoResult, OfAProjectionMeasuresAlongTheProjectedPaths) {
+  const PosePath climb = path_through({{0, 0, 0}, {3, 4, 12}, {6, 8, 24}});
+  MetricOptions options;
+  options.projection = Plane::kXy;
+  const EvoResult result = result_of(climb, climb, options);
+  EXPECT_EQ(result.distances_from_start_m, (std::vector<double>{0, 5, 10}));
+  EXPECT_EQ(result.distances_m, (std::vector<double>{0, 5, 10}));
 }
 
 }  // namespace

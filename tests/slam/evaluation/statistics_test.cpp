@@ -28,6 +28,18 @@ TEST(Statistics, DoNotCancelForLargeNearlyEqualErrors) {
   EXPECT_NEAR(statistics({1e9 + 1.0, 1e9 + 2.0, 1e9 + 3.0}).std, std::sqrt(2.0 / 3.0), 1e-9);
 }
 
+TEST(Statistics, OfErrorsWhoseSquaresOverflowAreRefused) {
+  for (const double huge : {1e200, 1e308}) {
+    try {
+      statistics({1.0, huge, huge});
+      ADD_FAILURE() << "expected InputError of " << huge;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.code(), ExitCode::kEvaluation);
+    }
+  }
+  EXPECT_DOUBLE_EQ(statistics({1e150, 1e150}).rmse, 1e150);
+}
+
 TEST(Statistics, OfNothingAreABug) { EXPECT_THROW(statistics({}), ContractError); }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
+
 #include "slam/learner/imperative_loss.hpp"
 #include "slam/learner/training_run.hpp"
 #include "slam/nn/weights_io.hpp"
@@ -171,6 +173,64 @@ TEST(TrainingRun, TheGuardDoesNotStandInTheWayOfAGain) {
   const auto outcome = run_training<ToyTraining>(ToyOptions{}, request);
   EXPECT_TRUE(outcome.gained());
   EXPECT_LT(outcome.loss_after, *outcome.loss_before);
+}
+
+/// A finished training, and another one in the same folder that may throw it away.
+struct Restart {
+  explicit Restart(const std::filesystem::path& folder) : request(request_in(folder)) {
+    options.steps = 4;
+    weights = run_training<ToyTraining>(options, request).weights;
+    request.force = true;
+  }
+
+  /// That it is refused with `code`, and leaves every file as it was.
+  void expect_refused(ExitCode code) const {
+    const auto contents = [this] {
+      std::map<std::string, std::string> files;
+      for (const auto& entry : std::filesystem::directory_iterator(request.folder)) {
+        files[entry.path().filename().string()] = read_file(entry.path());
+      }
+      return files;
+    };
+    const auto before = contents();
+    try {
+      run_training<ToyTraining>(options, request);
+      ADD_FAILURE() << "expected InputError";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.code(), code) << error.what();
+    }
+    EXPECT_EQ(contents(), before);
+  }
+
+  ToyOptions options;
+  TrainingRequest request;
+  std::filesystem::path weights;
+};
+
+TEST(TrainingRun, DoesNotThrowAwayTheFileThatItIsToStartFrom) {
+  const TempDir dir;
+  Restart restart(dir.path());
+  for (const auto& name : {restart.weights, dir.path() / "." / restart.weights.filename()}) {
+    restart.request.start = name;
+    restart.expect_refused(ExitCode::kUsage);
+  }
+}
+
+TEST(TrainingRun, ThrowsNothingAwayWhereItCannotStart) {
+  const TempDir dir;
+  Restart restart(dir.path());
+  restart.request.start = dir.path() / "gone.safetensors";
+  restart.expect_refused(ExitCode::kModel);
+  restart.request.start = dir.path() / "log.csv";
+  restart.expect_refused(ExitCode::kModel);
+}
+
+TEST(TrainingRun, StartsAnewFromACopyOfWhatItThrowsAway) {
+  const TempDir dir;
+  Restart restart(dir.path() / "training");
+  restart.request.start = dir.path() / "copy.safetensors";
+  std::filesystem::copy_file(restart.weights, restart.request.start);
+  EXPECT_TRUE(run_training<ToyTraining>(restart.options, restart.request).loss_before.has_value());
 }
 
 /// The checkpoint as it was written before steps and samples were counted by reason.

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <string>
 
+#include "slam/base/error.hpp"
 #include "slam/nn/training/gradients.hpp"
 #include "slam/nn/training/schedule.hpp"
 #include "slam/nn/weights_io.hpp"
@@ -121,12 +123,37 @@ TEST(Optimizer, GoesOnBitByBitFromASavedState) {
   }
 }
 
-TEST(Optimizer, RefusesTheStateOfAnotherNetworkAndLeavesFrozenWeightsAlone) {
+TEST(Optimizer, RefusesAStateThatLacksATensorOrHasItInAnotherShape) {
+  OneWeight<float> w(1.0);
+  Adam<float> adam;
+  w.step(adam, 1.0, 0.1);
+  const auto expect_refused = [&](const OptimizerState<float>& state) {
+    try {
+      Adam<float>().restore(w.list, state);
+      ADD_FAILURE() << "expected InputError";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.code(), ExitCode::kModel);
+      EXPECT_NE(std::string(error.what()).find("'mean/w'"), std::string::npos) << error.what();
+    }
+  };
+  OptimizerState<float> state = adam.state(w.list);
+  ASSERT_EQ(state.tensors[0].name, "mean/w");
+  state.tensors[0].name = "mean/v";
+  expect_refused(state);
+  state = adam.state(w.list);
+  state.tensors[0].tensor = Tensor<float>(Shape{2});
+  expect_refused(state);
+  state = adam.state(w.list);
+  state.tensors.erase(state.tensors.begin());
+  expect_refused(state);
+}
+
+TEST(Optimizer, RefusesAStateWithMoreTensorsAndLeavesFrozenWeightsAlone) {
   OneWeight<float> w(1.0);
   Adam<float> adam;
   w.step(adam, 1.0, 0.1);
   OptimizerState<float> state = adam.state(w.list);
-  state.tensors[0].name = "mean/v";
+  state.tensors.push_back({"mean/v", Tensor<float>(Shape{1})});
   EXPECT_THROW(adam.restore(w.list, state), ContractError);
   w.weight.trainable = false;
   const float before = w.weight.value[0];

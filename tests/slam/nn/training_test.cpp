@@ -150,5 +150,20 @@ TEST(DataParallel, IsTheMeanOverTheSamples) {
   EXPECT_DOUBLE_EQ(gradients[0][0], (4.0 + 2.0 + 0.0) / 3.0);
 }
 
+TEST(DataParallel, ASampleWhoseLossIsNotANumberLeavesRunningStatisticsAlone) {
+  BatchNorm<float> norm(1);
+  ParameterList<float> list;
+  norm.collect(list, "");
+  DataParallel<float> batches(list, 2);
+  Gradients<float> gradients = zero_gradients(list);
+  const auto loss = [&](Tape<float>& tape, std::size_t i) {
+    const Tensor<float> x({2, 1}, {i == 1 ? std::nanf("") : 1.0F, 3.0F});
+    return mean(tape, norm.forward(tape, tape.constant(x)));
+  };
+  EXPECT_TRUE(std::isnan(batches.run(2, loss, gradients)));
+  EXPECT_FLOAT_EQ(norm.running_mean.value[0], 0.1F * 2.0F);  // of the other sample
+  EXPECT_FLOAT_EQ(norm.running_variance.value[0], 0.9F + 0.1F * 2.0F);
+}
+
 }  // namespace
 }  // namespace imslam::nn

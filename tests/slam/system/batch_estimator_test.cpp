@@ -12,6 +12,8 @@ namespace {
 using testing::SineWorld;
 using testing::trajectory_of;
 
+const Estimate kRectified{0.0, 2.0};  // what vision knows of the disparity offset
+
 void erase_odometry(Measurements& measurements, double from_s, double to_s) {
   auto& odometry = measurements.odometry;
   const auto inside = [&](const RelativeMotion& motion) {
@@ -81,6 +83,18 @@ TEST(EstimateBatch, FindsBiasesAndTheTimeOffset) {
   EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 3e-3);
 }
 
+TEST(EstimateBatch, HoldsTheExpectedTimeOffsetWhereNoneIsEstimated) {
+  SineWorld world;
+  world.time_offset_s = 0.3;
+  SlamOptions options;
+  options.system.time_offset_s = 0.3;
+  options.pgo.estimate_time_offset = false;
+  const auto estimate = estimate_batch(world.measure(), kRectified, options);
+  ASSERT_TRUE(estimate.time_offset_s.has_value());
+  EXPECT_EQ(estimate.time_offset_s->value, 0.3);
+  EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 1e-3);
+}
+
 TEST(EstimateBatch, TheImuBridgesASecondWithoutVision) {
   const SineWorld world;
   Measurements measurements = world.measure();
@@ -127,7 +141,7 @@ TEST(EstimateBatch, TheDisparityOffsetScalesTheMotionsThatDependOnIt) {
     motion.J_disparity_offset.head<3>() = R.inverse() * Eigen::Vector3d(0.02 * t);
     motion.T_body0_body1 = lie::SE3d(R, 0.99 * t);
   }
-  const auto estimate = estimate_batch(measurements, Estimate{0.0, 2.0}, {});
+  const auto estimate = estimate_batch(measurements, kRectified, {});
   EXPECT_NEAR(estimate.disparity_offset_px.value, 0.5, 0.1);
   EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 5e-3);
 }
@@ -142,7 +156,7 @@ TEST(EstimateBatch, TheGyroTellsHowFarTheFocalLengthIsOff) {
     motion.T_body0_body1 =
         lie::SE3d(lie::SO3d::exp(1.02 * turn), motion.T_body0_body1.translation());
   }
-  const auto estimate = estimate_batch(measurements, {}, {});
+  const auto estimate = estimate_batch(measurements, kRectified, {});
   ASSERT_TRUE(estimate.focal_error.has_value());
   EXPECT_NEAR(estimate.focal_error->value, 0.02, 0.002);
   ASSERT_TRUE(estimate.focal_error->sigma.has_value());
@@ -167,13 +181,13 @@ Measurements through_turned_camera(const SineWorld& world, const Eigen::Vector3d
 TEST(EstimateBatch, ATrustedImuTellsHowTheCameraIsTurned) {
   const SineWorld world;
   const Eigen::Vector3d turn(0.004, -0.006, 0.005);
-  const auto estimate = estimate_batch(through_turned_camera(world, turn), {}, {});
+  const auto estimate = estimate_batch(through_turned_camera(world, turn), kRectified, {});
   ASSERT_TRUE(estimate.camera_rotation && estimate.camera_rotation->sigma);
   EXPECT_LT((estimate.camera_rotation->value - turn).norm(), 3e-4)
       << estimate.camera_rotation->value.transpose();
   EXPECT_LT(estimate.camera_rotation->sigma->maxCoeff(), 1e-3);
   EXPECT_LT(world.largest_error(trajectory_of(estimate.graph.states)), 5e-3);
-  const auto straight = estimate_batch(through_turned_camera(world, {0, 0, 0}), {}, {});
+  const auto straight = estimate_batch(through_turned_camera(world, {0, 0, 0}), kRectified, {});
   EXPECT_LT(straight.camera_rotation->value.norm(), 1e-4) << "made up";
 }
 
@@ -205,7 +219,7 @@ TEST(EstimateBatch, VisionTellsTheScaleAndTheAxesOfACoarseGyro) {
   measurements.gyro_shape_sigma = 0.01;
   SlamOptions options;
   options.pgo.estimate_focal_error = false;  // would take up what all axes have in common
-  const auto estimate = estimate_batch(measurements, {}, options);
+  const auto estimate = estimate_batch(measurements, kRectified, options);
   ASSERT_TRUE(estimate.gyro_shape && estimate.gyro_shape->sigma);
   EXPECT_LT((estimate.gyro_shape->value - shape).cwiseAbs().maxCoeff(), 1e-3)
       << estimate.gyro_shape->value << "\n"

@@ -4,6 +4,7 @@
 
 #include "slam/base/random.hpp"
 #include "slam/base/time.hpp"
+#include "tests/slam/system/sine_measurements.hpp"
 #include "tests/support/numeric_jacobian.hpp"
 
 namespace imslam::system {
@@ -58,6 +59,29 @@ TEST(InertialStart, ABeliefStandsInForVision) {
   Measurements measurements = blind(false);
   measurements.bias_beliefs.push_back({2, 0, 0.07, 1e-3});
   EXPECT_EQ(start_of(measurements).inertial[0].bias.gyro, Eigen::Vector3d(0.0, 0.0, 0.07));
+}
+
+/// Clocks that are further apart than the search reaches, and what is said to be expected of them.
+InertialStart start_far_apart(bool estimate) {
+  testing::SineWorld world;
+  world.time_offset_s = 0.3;
+  const Measurements measurements = world.measure();
+  SlamOptions options;
+  options.system.time_offset_s = 0.27;
+  options.pgo.estimate_time_offset = estimate;
+  return start_inertial(measurements, chain_odometry(measurements), options);
+}
+
+TEST(InertialStart, LooksForTheTimeOffsetAroundTheOneThatIsExpected) {
+  const InertialStart start = start_far_apart(true);
+  EXPECT_NEAR(start.time_offset_s, 0.3, 1e-3);
+  EXPECT_FALSE(start.states.empty()) << start.reason;
+}
+
+TEST(InertialStart, TakesTheExpectedTimeOffsetWhereNoneIsEstimated) {
+  const InertialStart start = start_far_apart(false);
+  EXPECT_EQ(start.time_offset_s, 0.27);
+  EXPECT_EQ(start.inertial[60].time_offset_s, 0.27);
 }
 
 }  // namespace

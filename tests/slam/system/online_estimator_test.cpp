@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
+#include "slam/base/random.hpp"
 #include "tests/slam/system/sine_measurements.hpp"
 
 namespace imslam::system {
@@ -20,7 +23,7 @@ void stream(const Measurements& all, OnlineEstimator& online) {
     for (; motion != all.odometry.end() && motion->time1_ns <= time_ns; ++motion) {
       so_far.odometry.push_back(*motion);
     }
-    online.update(so_far, {});
+    online.update(so_far, [] { return Estimate{0.0, 2.0}; });
   }
 }
 
@@ -64,6 +67,12 @@ TEST(OnlineEstimator, LeavesOutMotionsThatTheGyroContradicts) {
   EXPECT_LT(world.largest_error(online.trajectory()), 0.05);  // 0.25 m were added
 }
 
+/// How far [m] two estimates of the same recording differ at a frame.
+double apart(const OnlineEstimator& a, const OnlineEstimator& b, std::size_t frame) {
+  return (a.trajectory().poses[frame].translation() - b.trajectory().poses[frame].translation())
+      .norm();
+}
+
 TEST(OnlineEstimator, AGyroThatContradictsForSecondsIsNotBelieved) {
   const SineWorld world;
   Measurements all = world.measure();
@@ -73,14 +82,42 @@ TEST(OnlineEstimator, AGyroThatContradictsForSecondsIsNotBelieved) {
   OnlineEstimator without{SlamOptions()};
   all.odometry.erase(all.odometry.begin() + 60, all.odometry.end());
   stream(all, without);
-  const auto apart = [&](std::size_t frame) {
-    return (with_all.trajectory().poses[frame].translation() -
-            without.trajectory().poses[frame].translation())
-        .norm();
-  };
   ASSERT_EQ(with_all.trajectory().size(), all.times_ns.size());
-  EXPECT_LT(apart(95), 1e-6);   // refused
-  EXPECT_GT(apart(115), 1e-2);  // taken in after 2 s
+  EXPECT_LT(apart(with_all, without, 95), 1e-6);   // refused
+  EXPECT_GT(apart(with_all, without, 115), 1e-2);  // taken in after 2 s
+}
+
+TEST(OnlineEstimator, TheFirstContradictionAfterSecondsWithoutVisionIsRefused) {
+  const SineWorld world;
+  Measurements all = world.measure();
+  turn_vision(all, 105, 110);
+  Measurements blind = all;
+  all.odometry.erase(all.odometry.begin() + 60, all.odometry.begin() + 105);
+  blind.odometry.erase(blind.odometry.begin() + 60, blind.odometry.begin() + 110);
+  OnlineEstimator with_all{SlamOptions()};
+  stream(all, with_all);
+  OnlineEstimator without{SlamOptions()};
+  stream(blind, without);
+  ASSERT_EQ(with_all.trajectory().size(), all.times_ns.size());
+  EXPECT_LT(apart(with_all, without, 110), 1e-6);
+}
+
+// The IMU begins after 11 s, and is so noisy that it follows nothing without vision.
+TEST(OnlineEstimator, StartsOnTheNewestFramesWhereTheFirstCannotStartIt) {
+  SineWorld world;
+  world.duration_s = 14.5;
+  Measurements all = world.measure();
+  all.imu.erase(all.imu.begin(), all.imu.begin() + 2300);
+  all.imu_noise.accel_noise_density = 0.05;
+  Random random(5);
+  imu::testing::disturb(all.imu, {}, all.imu_noise, random);
+  OnlineEstimator online{SlamOptions()};
+  stream(all, online);
+  const Trajectory& found = online.trajectory();
+  ASSERT_GT(found.size(), 201U);  // it went on from there
+  ASSERT_LT(found.size(), all.times_ns.size());
+  EXPECT_TRUE(std::equal(found.times_ns.rbegin(), found.times_ns.rend(), all.times_ns.rbegin()));
+  EXPECT_LT(world.largest_error(found), 0.02);
 }
 
 TEST(OnlineEstimator, WithoutAnImuThereIsNothingToAdd) {

@@ -38,6 +38,19 @@ TEST(RunFolder, RefusesAFolderThatIsNotEmpty) {
   }
 }
 
+TEST(RunFolder, ALinkInACircleAndANameThatIsTooLongAreOutputErrors) {
+  const testing::TempDir dir;
+  fs::create_directory_symlink("loop", dir.path() / "loop");
+  for (const std::string& name : {std::string("loop"), std::string(300, 'x')}) {
+    try {
+      make_run_folder({}, "x", dir.path() / name);
+      ADD_FAILURE() << "expected InputError of " << name;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.code(), ExitCode::kOutput) << error.what();
+    }
+  }
+}
+
 TEST(RunFolder, ForceReplacesAnEarlierRunOnceTheNewOneIsComplete) {
   const testing::TempDir dir;
   const fs::path out = dir.path() / "run";

@@ -187,7 +187,7 @@ TEST(SlamLowerProblem, TheGraphOfARunIsSolvedAndDifferentiatedToo) {
     motion.T_body0_body1 =
         motion.T_body0_body1 * lie::SE3d::exp(testing::drawn_from<6>(motion.covariance, random));
   }
-  const BatchEstimate run = estimate_batch(measurements, {}, {});
+  const BatchEstimate run = estimate_batch(measurements, Estimate{0.0, 2.0}, {});
   ASSERT_TRUE(run.inertial);
   SlamLowerProblem task(run.graph, run.graph_options, {}, as_published());
   const UpperGradient upper = gradient_by("implicit_direct", task, task.coordinates().origin());

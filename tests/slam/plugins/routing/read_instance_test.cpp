@@ -109,6 +109,22 @@ TEST(ReadInstance, TsplibErrorsNameTheLineAndTheKey) {
             std::string::npos);
 }
 
+TEST(ReadInstance, NumbersThatSwallowAllOthersAreRefused) {
+  for (const char* text : {"0 1 1e30\n1 0 1\n1e30 1 0\n", "0,0\n1e39,1\n", "0,0\n1,-1e39\n"}) {
+    try {
+      parse_instance("cities", text, 0);
+      ADD_FAILURE() << "expected InputError of " << text;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.code(), ExitCode::kData);
+    }
+  }
+  EXPECT_NE(message_of("0 1 1e30\n1 0 1\n1e30 1 0\n").find("a distance of 1e+30"),
+            std::string::npos);
+  EXPECT_NE(message_of("0,0\n1,-1e39\n").find("a coordinate of 1e+39"), std::string::npos);
+  EXPECT_EQ(message_of("0 1 1e6\n1 0 1\n1e6 1 0\n"), "no error");
+  EXPECT_EQ(message_of("0 0 0\n0 0 0\n0 0 0\n"), "no error");
+}
+
 // Cut anywhere, a file is an error or an instance, never a crash.
 TEST(ReadInstance, AnyBeginningOfAFileIsReadOrRefused) {
   const std::string whole = tsplib("EUC_2D", "NODE_COORD_SECTION\n1 0 0\n2 1 1\n3 5 0\n");

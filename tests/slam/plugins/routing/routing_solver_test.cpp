@@ -55,6 +55,20 @@ TEST(RoutingSolver, FindsItWhereDistancesKnowNoLaw) {
   }
 }
 
+// Some roads are not there: a million in the table.
+TEST(RoutingSolver, GoesAroundRoadsThatAreNotThere) {
+  constexpr double kNoRoad = 1e6;
+  for (const int agents : {1, 2}) {
+    Random random(5);
+    Instance instance = testing::lawless_instance(7, random);
+    for (const std::size_t entry : {1U, 10U, 20U, 30U, 37U, 45U}) instance.matrix[entry] = kNoRoad;
+    const double shortest = testing::least_longest_tour(instance, agents);
+    ASSERT_LT(shortest, kNoRoad);
+    EXPECT_LT(solve(instance, by_iterations(agents, 5000), nullptr).longest(), 1.02 * shortest)
+        << agents;
+  }
+}
+
 // measured() throws unless each city is visited once.
 TEST(RoutingSolver, EveryMethodVisitsEveryCityOnceAndNotUnderTheBound) {
   const Instance instance = numbered(60, 2);

@@ -106,5 +106,32 @@ TEST(TourSolver, TakesCitiesAtOnePlace) {
   expect_permutation(tour, all_cities(instance));
 }
 
+/// Cities on a square lattice.
+Instance lattice(int side, double step) {
+  Instance instance;
+  for (int i = 0; i < side * side; ++i) {
+    instance.points.push_back({step * (i % side), step * (i / side)});
+  }
+  return instance;
+}
+
+// Too many for a table. On a lattice many changes gain nothing but the rounding of large numbers,
+// which must not go on for ever.
+TEST(TourSolver, EndsOnLargeCoordinates) {
+  constexpr int kSide = 56;
+  for (const double step : {1e9 / 7.0, 1e12 / 7.0}) {
+    const Instance instance = lattice(kSide, step);
+    ASSERT_GT(instance.city_count(), Distances::kTableCities);
+    const std::vector<int> tour = solve_tour(instance, true, all_cities(instance), {0.1});
+    expect_permutation(tour, all_cities(instance));
+    EXPECT_LT(tour_length(instance, tour), 1.15 * kSide * kSide * step);
+  }
+}
+
+TEST(TourSolver, EndsWhereDistancesAreNotFinite) {
+  const Instance instance = lattice(5, 1e39);  // more than a float holds
+  expect_permutation(solve_tour(instance, true, all_cities(instance), {5.0}), all_cities(instance));
+}
+
 }  // namespace
 }  // namespace imslam::routing
