@@ -64,13 +64,12 @@ void check_networks(const std::string& networks, const fs::path& out) {
 /// Neither must any other file of weights that the options name.
 void check_weights(const Settings& settings, const fs::path& out) {
   const system::SlamOptions& slam = settings.slam();
-  for (const std::string& file : {slam.vo.motion_noise, slam.vo.regression.weights,
-                                  slam.vo.learned.weights, slam.imu_network.weights}) {
+  for (const std::string& file :
+       {slam.vo.motion_noise, slam.vo.regression.weights, slam.vo.learned.weights,
+        slam.imu_network.weights, slam.system.device}) {
     if (file.empty()) continue;
-    const auto [end, rest] =
-        std::mismatch(out.begin(), out.end(), fs::weakly_canonical(file).begin());
-    (void)rest;
-    if (end == out.end()) {
+    const fs::path place = fs::weakly_canonical(file);
+    if (std::mismatch(out.begin(), out.end(), place.begin(), place.end()).first == out.end()) {
       throw InputError(file + ": lies in --out; name another --out", ExitCode::kUsage);
     }
   }

@@ -72,19 +72,22 @@ void VibrationMeter::close_bin(const Axes& mean, Scale& scale) const {
   scale.last = {mean, scale.last[0], scale.last[1]};
 }
 
-/// Each bound with one standard deviation of its scatter, lest the lowest be low by chance.
+/// Longer bins scatter more: they count if they are lower by that, lest the lowest be so by chance.
 VibrationMeter::Axes VibrationMeter::lowest_bound() const {
   Axes bound = Axes::Zero();
   bool found = false;
   for (const Scale& scale : scales_) {
     if (scale.looked == 0) continue;
-    const double count =
-        std::min<double>(scale.looked, 2.0 * kMemory_s * noise_.rate_hz / scale.length);
-    const Axes sure = scale.variance * (1.0 + std::sqrt(kScatter / count));
+    const Axes sure = scale.variance * (1.0 + scatter_of(scale)) / (1.0 + scatter_of(scales_[0]));
     bound = found ? bound.min(sure).eval() : sure;
     found = true;
   }
   return bound;
+}
+
+double VibrationMeter::scatter_of(const Scale& scale) const {
+  const double remembered = 2.0 * kMemory_s * noise_.rate_hz / scale.length;
+  return std::sqrt(kScatter / std::min<double>(scale.looked, remembered));
 }
 
 }  // namespace imslam::imu

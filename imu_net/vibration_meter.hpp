@@ -45,6 +45,7 @@ class VibrationMeter {
   void look_at(const Axes& reading, Scale& scale) const;
   void close_bin(const Axes& mean, Scale& scale) const;
   Axes lowest_bound() const;
+  double scatter_of(const Scale& scale) const;  ///< [1] of its variance
 
   ImuNoise noise_;
   Axes stated_;  ///< variance of a reading

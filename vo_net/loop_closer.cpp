@@ -86,7 +86,9 @@ std::optional<PredictedMotion> LoopCloser::predict(const Keyframe& keyframe) {
   predicted.T_body0_body1 = T_map_body0.inverse() * T_map_body_;
   predicted.covariance = keyframe.covariance;
   const Matrix6 by_match = covariance_by_last_match(keyframe, predicted.T_body0_body1);
-  if (search_px(keyframe, by_match) < search_px(keyframe, keyframe.covariance)) {
+  // What is known of a view by the odometry alone is not of a pose that has jumped since.
+  const bool jumped = corrected_ns_ > keyframe.time_ns && matched_ns_ != keyframe.time_ns;
+  if (jumped || search_px(keyframe, by_match) < search_px(keyframe, keyframe.covariance)) {
     predicted.covariance = by_match;
   }
   const double sigma_px = search_px(keyframe, predicted.covariance);
@@ -110,6 +112,7 @@ void LoopCloser::correct(std::int64_t keyframe_ns, const RelativeMotion& motion)
   keyframe->covariance =
       rest * known * rest.transpose() + gain * motion.covariance * gain.transpose();
   matched_ns_ = keyframe_ns;
+  corrected_ns_ = motion.time1_ns;
 }
 
 const StereoFrame& LoopCloser::with_images(const StereoFrame& frame) {

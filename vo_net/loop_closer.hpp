@@ -60,6 +60,7 @@ class LoopCloser {
   Drift drift_;
   std::optional<std::int64_t> time_ns_;     ///< of T_map_body_
   std::optional<std::int64_t> matched_ns_;  ///< the view that was recognised last
+  std::int64_t corrected_ns_ = 0;           ///< when that was: T_map_body_ made a jump
   int frames_since_search_ = 0;
 };
 

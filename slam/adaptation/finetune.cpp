@@ -163,7 +163,7 @@ void expect_held_out_frames(const EpochRequest& request) {
   throw InputError(
       fmt::format("{}: {} frames are too few to hold any out; take more, or hold out "
                   "shorter stretches: --set finetune.stretch={}",
-                  request.name(), count, std::max<std::size_t>(1, count / 10)));
+                  request.name(), count, std::max<std::size_t>(2, count / 10)));
 }
 
 }  // namespace

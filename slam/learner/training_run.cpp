@@ -154,7 +154,8 @@ class TrainingRun {
 void prepare_training_folder(const TrainingRequest& request, const std::string& name) {
   if (!request.writes) return;
   std::error_code error;
-  const bool used = fs::exists(request.folder / kCheckpoint) || fs::exists(request.folder / kLog);
+  const bool used = fs::exists(request.folder / kCheckpoint) || fs::exists(request.folder / kLog) ||
+                    fs::exists(request.folder / weights_name(name));
   if (used && !request.resume && !request.force) {
     throw InputError(request.folder.string() + ": holds a training; --resume goes on with it, " +
                          request.force_flag + " throws it away",
@@ -179,8 +180,9 @@ namespace {
 void check_start(const TrainingRequest& request, const std::string& name) {
   if (request.resume || request.start.empty()) return;
   nn::WeightsFile::read(request.start);
-  std::error_code ignored;
-  if (fs::equivalent(request.start, request.folder / weights_name(name), ignored)) {
+  for (const std::string& file : {weights_name(name), std::string(kCheckpoint)}) {
+    std::error_code ignored;
+    if (!fs::equivalent(request.start, request.folder / file, ignored)) continue;
     throw InputError(request.start.string() + ": " + request.force_flag +
                          " throws this file away; begin with a copy of it",
                      ExitCode::kUsage);

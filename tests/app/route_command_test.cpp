@@ -69,9 +69,8 @@ TEST_F(RouteCommand, ComparesMethods) {
 TEST_F(RouteCommand, WeightsToCompareMustBeThere) {
   for (const std::string& weights : {"RL=" + path("none_3.safetensors"),
                                      "RL=" + path("none_7.safetensors"), std::string("RL")}) {
-    const CommandResult result =
-        route("bench --agents 3 --cities 20 --instances 1 --time 0.01 --weights " +
-              quoted(weights));
+    const CommandResult result = route(
+        "bench --agents 3 --cities 20 --instances 1 --time 0.01 --weights " + quoted(weights));
     EXPECT_EQ(result.exit_code, 5) << weights;
     EXPECT_NE(result.err.find("--weights " + weights), std::string::npos) << result.err;
   }

@@ -96,9 +96,13 @@ TEST(DisparityOffset, ClearScenesDecide) {
 }
 
 /// Two hundred frames that all say the same but for their noise.
-DisparityOffsetEstimate estimate_of(double value, double systematic, std::uint64_t seed) {
+DisparityOffsetEstimate estimate_of(double value,
+                                    double systematic,
+                                    std::uint64_t seed,
+                                    double exact = 0.5) {
   DisparityOffsetOptions options;
   options.systematic = systematic;
+  options.exact = exact;
   DisparityOffsetEstimator estimator{options};
   Random random(seed);
   for (int i = 0; i < 200; ++i) estimator.add(frame(value + 0.1 * random.normal(), 0.1, 0.0, 400));
@@ -108,7 +112,8 @@ DisparityOffsetEstimate estimate_of(double value, double systematic, std::uint64
 TEST(DisparityOffset, OneNotSurelyThereIsTakenForNothing) {
   // known to 0.015 * 0.1 * sqrt(400) = 0.03 px
   EXPECT_LT(std::abs(estimate_of(0.03, 0.015, 37).offset_px), 0.015);
-  EXPECT_NEAR(estimate_of(0.15, 0.015, 38).offset_px, 0.15, 0.02);
+  EXPECT_NEAR(estimate_of(0.15, 0.015, 38).offset_px, estimate_of(0.15, 0.015, 38, 0.0).offset_px,
+              0.002);
   const DisparityOffsetEstimate doubtful = estimate_of(0.075, 0.015, 39);
   EXPECT_GT(doubtful.offset_px, 0.015);
   EXPECT_LT(doubtful.offset_px, 0.065);

@@ -12,12 +12,15 @@ constexpr int kLongestSegment = 3;  ///< of Or-opt
 constexpr int kLongestKick = 30;    ///< places in each segment of the double bridge
 constexpr int kBetweenClockLooks = 16;
 
-double farthest(const Distances& distances, const std::vector<std::int32_t>& places) {
-  double most = 0.0;
+/// Mean distance to the nearest place: what roads that are taken are like.
+double usual_distance(const Distances& distances,
+                      const Neighbours& near,
+                      const std::vector<std::int32_t>& places) {
+  double sum = 0.0;
   for (const std::int32_t place : places) {
-    most = std::max<double>(most, distances(places.front(), place));
+    if (near.count() > 0) sum += distances(place, *near.of(place).begin());
   }
-  return most;
+  return sum / std::max(1.0, static_cast<double>(places.size()));
 }
 
 }  // namespace
@@ -29,7 +32,7 @@ TourSearch::TourSearch(const Distances& distances,
       near_(near),
       tour_(std::move(order)),
       queued_(static_cast<std::size_t>(tour_.count()), 0),
-      least_gain_(kLeastGain * std::max(1.0, 0.5 * farthest(distances, tour_.order()))) {}
+      least_gain_(kLeastGain * std::max(1.0, usual_distance(distances, near, tour_.order()))) {}
 
 double TourSearch::length() const {
   double length = 0.0;

