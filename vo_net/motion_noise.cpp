@@ -13,7 +13,9 @@ namespace {
 using nn::Var;
 
 constexpr int kHidden = 16;
-constexpr double kLargest = 3.0;  // of log factors
+/// Of log factors: half or double. How well others foretell one motion shows nothing of the errors
+/// that neighbours share, so that it asks for a sigma far below what their sum deserves.
+constexpr double kLargest = 0.693;
 
 // Units that make features of ordinary motions about 1.
 constexpr double kSigma = 1e-3;       // [m], [rad]

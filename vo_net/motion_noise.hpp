@@ -24,7 +24,8 @@ MotionNoiseFeatures motion_noise_features(const PoseLayerResult& pose,
 /// How far off the covariance of a pose is: it takes the errors of points for independent and the
 /// camera model for exact.
 ///
-///   Sigma = F Sigma_pose F,   F = diag(e^a, e^a, e^a, e^b, e^b, e^b)     [a b] = 3 tanh(mlp / 3)
+///   Sigma = F Sigma_pose F,   F = diag(e^a, e^a, e^a, e^b, e^b, e^b)     [a b] = L tanh(mlp / L),
+///   L = log 2
 ///
 /// The last layer starts at zero: an untrained network changes nothing.
 template <typename S>
