@@ -25,7 +25,7 @@ struct DisparityOffsetOptions {
   double prior = 0.0;         ///< [px] the offset to expect before anything was seen
   double prior_sigma = 0.25;  ///< [px] and how far from that it may be
   /// [1] The share of cameras whose rectification is exact: within exact_sigma of `prior`.
-  double exact = 0.3;
+  double exact = 0.0;
   double exact_sigma = 0.01;  ///< [px]
   double systematic = 0.015;  ///< [1] sigma of what all frames share, of a single point's
   double kernel_width = 2.0;  ///< [standard deviations] blocks beyond count less
