@@ -27,7 +27,7 @@ class Optimizer {
   void step(const ParameterList<S>& parameters, const Gradients<S>& gradients, double rate);
 
   OptimizerState<S> state(const ParameterList<S>& parameters) const;
-  /// Throws ContractError unless the state fits to the parameters.
+  /// Throws InputError(kModel) if the state lacks one, ContractError if it has others.
   void restore(const ParameterList<S>& parameters, const OptimizerState<S>& state);
 
  protected:
