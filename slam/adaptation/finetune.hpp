@@ -44,10 +44,10 @@ using TakeRun = std::function<void(std::size_t sequence, FinetuneRun, system::Ru
 ///   weights/NAME.safetensors   the result, one file per network, with model cards
 ///   checkpoint.safetensors, config.yaml, log.csv
 ///
-/// A new fine-tuning in the same folder throws all results of the earlier one away, if request.force
-/// says that they may go; InputError(kOutput) otherwise.
-/// With options.guard, a result that does not gain on the given weights in the held-out
-/// self-supervised loss (mean over the sequences) is refused: the given weights are the result.
+/// A new fine-tuning in the same folder throws all results of the earlier one away, if
+/// request.force says that they may go; InputError(kOutput) otherwise. With options.guard, a result
+/// that does not gain on the given weights in the held-out self-supervised loss (mean over the
+/// sequences) is refused: the given weights are the result.
 ///
 /// Several processes share the sequences out (AdaptationTraining); the folder must be one that all
 /// of them see, rank 0 writes there. The result does not depend on how many they are.
